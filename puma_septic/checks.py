@@ -1,0 +1,108 @@
+"""Arrays at the door: float64, the right shape, finite, and a read-only copy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from puma_septic.errors import InputError
+
+__all__ = ["Array", "checked_array", "checked_choice", "checked_number", "checked_times", "read_only"]
+
+Array = NDArray[np.float64]
+
+
+def read_only(array: ArrayLike) -> Array:
+    """Return a read-only float64 copy."""
+    copy = np.array(array, dtype=np.float64)
+    copy.setflags(write=False)
+    return copy
+
+
+def checked_array(
+    name: str, value: ArrayLike, shape: Sequence[int | None], *, unit: str = "", allow_nan: bool = False
+) -> Array:
+    """Return `value` as a read-only float64 copy of the given shape.
+
+    Parameters
+    ----------
+    name : str
+        How the message calls the argument.
+    shape : sequence of int or None
+        Expected shape; None leaves a length free.
+    unit : str
+        Unit named in the message.
+    allow_nan : bool
+        Accept NaN as "unknown" (limits); infinities are refused in any case.
+
+    Raises
+    ------
+    InputError
+        With name, offending index and value, and what would be valid.
+    """
+    try:
+        array = read_only(value)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: expected numbers of shape {_describe(shape)}, got {value!r}") from error
+    fits = array.ndim == len(shape) and all(
+        want is None or have == want for have, want in zip(array.shape, shape, strict=True)
+    )
+    if not fits:
+        raise InputError(f"{name}: shape {array.shape} is not {_describe(shape)}")
+    valid = ~np.isinf(array) if allow_nan else np.isfinite(array)
+    if not valid.all():
+        index = tuple(int(i) for i in np.argwhere(~valid)[0])
+        where = f"[{', '.join(map(str, index))}]" if index else ""
+        suffix = f" {unit}" if unit else ""
+        raise InputError(f"{name}{where} = {float(array[index])}{suffix} is not a finite number")
+    return array
+
+
+def checked_number(
+    name: str,
+    value: object,
+    *,
+    unit: str = "",
+    above: float | None = None,
+    at_least: float | None = None,
+    at_most: float | None = None,
+) -> float:
+    """Return `value` as a finite float within the given bounds (`above` is exclusive)."""
+    suffix = f" {unit}" if unit else ""
+    if isinstance(value, (bool, str)) or value is None:
+        raise InputError(f"{name}: expected a number{suffix and ' in' + suffix}, got {value!r}")
+    number = float(checked_array(name, value, (), unit=unit))  # type: ignore[arg-type]
+    if above is not None and not number > above:
+        raise InputError(f"{name} = {number:g}{suffix} must be greater than {above:g}{suffix}")
+    if at_least is not None and not number >= at_least:
+        raise InputError(f"{name} = {number:g}{suffix} must be at least {at_least:g}{suffix}")
+    if at_most is not None and not number <= at_most:
+        raise InputError(f"{name} = {number:g}{suffix} must be at most {at_most:g}{suffix}")
+    return number
+
+
+def checked_times(name: str, value: ArrayLike, count: int | None = None) -> Array:
+    """Return strictly increasing times in s; a message names the first pair that is not."""
+    times = checked_array(name, value, (count,), unit="s")
+    steps = np.diff(times)
+    if not (steps > 0).all():
+        k = int(np.argmax(~(steps > 0)))
+        raise InputError(
+            f"{name}: must increase strictly, but {name}[{k}] = {times[k]:g} s is followed by {times[k + 1]:g} s"
+        )
+    return times
+
+
+def checked_choice(name: str, value: str, valid: Iterable[str]) -> str:
+    """Return `value` if it is one of the valid names, which the message lists otherwise."""
+    names = list(valid)
+    if value not in names:
+        raise InputError(f"unknown {name} {value!r}; valid: {', '.join(map(repr, names))}")
+    return value
+
+
+def _describe(shape: Sequence[int | None]) -> str:
+    lengths = ", ".join("n" if length is None else str(length) for length in shape)
+    return f"({lengths}{',' if len(shape) == 1 else ''})"

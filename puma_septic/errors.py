@@ -1,0 +1,40 @@
+"""Every exception that the package raises on purpose.
+
+A violated limit is not among them: it is the answer of an assessment.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["InputError", "ModelError", "NoSolution", "PumaSepticError"]
+
+
+class PumaSepticError(Exception):
+    """Base of all errors of this package."""
+
+
+class InputError(PumaSepticError, ValueError):
+    """An argument, task file or data file is not valid; the message says what would be."""
+
+
+class ModelError(PumaSepticError):
+    """A robot description or actuator file is missing, malformed or physically unusable."""
+
+
+class NoSolution(PumaSepticError):
+    """A well-posed request has no answer, such as a pose out of reach.
+
+    Attributes
+    ----------
+    residual : float
+        What remains unmet at `q`, in the unit that the message names.
+    q : ndarray, shape (n_joints,)
+        The best attempt.
+    """
+
+    def __init__(self, message: str, *, residual: float, q: NDArray[np.float64]) -> None:
+        super().__init__(message)
+        self.residual = residual
+        self.q = q

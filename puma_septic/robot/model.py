@@ -1,0 +1,185 @@
+"""Robot: a Pinocchio model with its drives, limits, tool and load."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import final
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from puma_septic.checks import Array, checked_array, checked_choice, read_only
+from puma_septic.errors import InputError
+from puma_septic.robot.values import Actuator, Limits, Payload, Wrench
+
+__all__ = ["Robot"]
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Robot:
+    """An arm as `load_robot` returns it: immutable, shared freely.
+
+    Arrays are in the order of `joint_names`, the order in which the URDF lists its moving joints.
+
+    Attributes
+    ----------
+    name : str
+    model : pinocchio.Model
+        Rotor inertia is in ``model.armature`` and the payload in the last link. Never write to it.
+    bare_model : pinocchio.Model
+        The same without payload.
+    joint_names : tuple of str
+    tool : str
+        Name of the frame that is positioned and that carries payload and wrench.
+    actuators : tuple of Actuator
+        One per joint; its values are NaN where nothing is known of the drive.
+    limits : Limits
+    visual_model, collision_model : pinocchio.GeometryModel
+    payload : Payload or None
+    wrench : Wrench or None
+    notes : tuple of str
+        What a reader of results must know: parameter sets, unphysical tensors, ignored tags.
+    armature : ndarray, shape (n_joints,)
+        Rotor inertia at the joint, kg m^2; 0 where unknown.
+    viscous_friction : ndarray, shape (n_joints,)
+        At the joint, N m s/rad; 0 where unknown.
+    coulomb_friction : ndarray, shape (n_joints, 2)
+        At the joint, N m, for positive and negative velocity; 0 where unknown.
+    """
+
+    name: str
+    bare_model: pin.Model
+    joint_names: tuple[str, ...]
+    tool: str
+    actuators: tuple[Actuator, ...]
+    limits: Limits
+    visual_model: pin.GeometryModel
+    collision_model: pin.GeometryModel
+    payload: Payload | None = None
+    wrench: Wrench | None = None
+    notes: tuple[str, ...] = ()
+    model: pin.Model = field(init=False)
+    armature: Array = field(init=False)
+    viscous_friction: Array = field(init=False)
+    coulomb_friction: Array = field(init=False)
+    _index_q: NDArray[np.int64] = field(init=False, repr=False)
+    _index_v: NDArray[np.int64] = field(init=False, repr=False)
+    _continuous: NDArray[np.bool_] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        self._check_consistent()
+        joints = [self.bare_model.joints[self.bare_model.getJointId(name)] for name in self.joint_names]
+        ratios = np.array([actuator.gear_ratio for actuator in self.actuators])
+        viscous = np.array([actuator.viscous_friction for actuator in self.actuators]) * ratios**2
+        coulomb = np.array([actuator.coulomb_friction for actuator in self.actuators]) * np.abs(ratios)[:, None]
+        derived = {
+            "_index_q": np.array([joint.idx_q for joint in joints]),
+            "_index_v": np.array([joint.idx_v for joint in joints]),
+            "_continuous": np.array([joint.nq == 2 for joint in joints]),
+            "armature": read_only(np.nan_to_num([actuator.armature for actuator in self.actuators])),
+            "viscous_friction": read_only(np.nan_to_num(viscous)),
+            "coulomb_friction": read_only(np.nan_to_num(coulomb)),
+        }
+        for name, value in derived.items():
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "model", self._loaded_model())
+
+    def _check_consistent(self) -> None:
+        """A name that Pinocchio does not know would be answered with an index past the end."""
+        checked_choice("tool frame", self.tool, [frame.name for frame in self.bare_model.frames])
+        for name in self.joint_names:
+            checked_choice("joint", name, list(self.bare_model.names)[1:])
+        if len(self.actuators) != self.n_joints:
+            raise InputError(f"actuators: {len(self.actuators)} given for {self.n_joints} joints")
+        if len(self.limits.velocity) != self.n_joints:
+            raise InputError(f"limits: given for {len(self.limits.velocity)} joints, the arm has {self.n_joints}")
+
+    def _loaded_model(self) -> pin.Model:
+        """The bare model with rotor inertia and payload written into a copy of it."""
+        model = self.bare_model.copy()
+        armature = np.zeros(model.nv)
+        armature[self._index_v] = self.armature
+        model.armature = armature
+        if self.payload is not None:
+            frame = model.frames[model.getFrameId(self.tool)]
+            body = pin.Inertia(self.payload.mass, self.payload.com, self.payload.inertia)
+            model.appendBodyToJoint(frame.parentJoint, body, frame.placement)
+        return model
+
+    @property
+    def n_joints(self) -> int:
+        """Number of moving joints."""
+        return len(self.joint_names)
+
+    @property
+    def tool_id(self) -> int:
+        """Index of the tool frame in `model`."""
+        return int(self.model.getFrameId(self.tool))
+
+    def joint_index(self, name: str) -> int:
+        """Index of a joint in this package's arrays; an unknown name lists the valid ones."""
+        return self.joint_names.index(checked_choice("joint", name, self.joint_names))
+
+    def configurations(self, q: Array) -> Array:
+        """Pinocchio's configurations, shape (n, nq), of joint positions, shape (n, n_joints).
+
+        A continuous joint takes two places there, the cosine and the sine of its angle.
+        """
+        result = np.empty((len(q), self.model.nq))
+        result[:, self._index_q] = q
+        if self._continuous.any():
+            index, angle = self._index_q[self._continuous], q[:, self._continuous]
+            result[:, index], result[:, index + 1] = np.cos(angle), np.sin(angle)
+        return result
+
+    def tangents(self, v: Array) -> Array:
+        """Pinocchio's velocities (or accelerations), shape (n, nv), of joint values, shape (n, n_joints)."""
+        result = np.empty((len(v), self.model.nv))
+        result[:, self._index_v] = v
+        return result
+
+    def from_tangents(self, values: Array) -> Array:
+        """Joint values, shape (n, n_joints), of Pinocchio's, shape (n, nv): the inverse of `tangents`."""
+        return values[:, self._index_v]
+
+    def with_payload(self, payload: Payload | None) -> Robot:
+        """The same arm carrying this payload instead (None: nothing)."""
+        return replace(self, payload=payload)
+
+    def with_wrench(self, wrench: Wrench | None) -> Robot:
+        """The same arm exerting this wrench at the tool instead (None: none)."""
+        return replace(self, wrench=wrench)
+
+    def with_tool(self, tool: str) -> Robot:
+        """The same arm with another frame as its tool."""
+        return replace(self, tool=tool)
+
+    def with_actuators(self, actuators: tuple[Actuator, ...]) -> Robot:
+        """The same arm with other drives, one per joint."""
+        return replace(self, actuators=tuple(actuators))
+
+    def with_limits(
+        self,
+        limits: Limits | None = None,
+        *,
+        position: ArrayLike | None = None,
+        velocity: ArrayLike | None = None,
+        acceleration: ArrayLike | None = None,
+        jerk: ArrayLike | None = None,
+        effort: ArrayLike | None = None,
+    ) -> Robot:
+        """The same arm with other limits: a whole set, or the named ones replaced; a scalar holds for every joint."""
+        new = self.limits if limits is None else limits
+        given = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk, "effort": effort}
+        changes: dict[str, Array] = {
+            name: checked_array(name, np.broadcast_to(np.asarray(value, dtype=float), (self.n_joints,)), (None,), allow_nan=True)
+            if np.ndim(value) == 0
+            else checked_array(name, value, (self.n_joints,), allow_nan=True)
+            for name, value in given.items()
+            if value is not None
+        }
+        if position is not None:
+            changes["position"] = checked_array("position", position, (self.n_joints, 2), allow_nan=True)
+        return replace(self, limits=replace(new, **changes) if changes else new)

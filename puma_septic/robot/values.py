@@ -1,0 +1,164 @@
+"""The small values that a robot is made of: actuators, limits, payload, wrench."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal, final
+
+import numpy as np
+
+from puma_septic.checks import Array, checked_array, checked_choice, checked_number
+from puma_septic.errors import InputError
+
+__all__ = ["Actuator", "Limits", "Payload", "Wrench"]
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Actuator:
+    """One joint's drive train, in motor-side values; NaN means unknown.
+
+    Rotor inertia at the joint is ``rotor_inertia * gear_ratio**2``; joint-side friction torque is
+    ``viscous_friction * gear_ratio**2 * v + abs(gear_ratio) * coulomb_friction[0 if v > 0 else 1]``, zero at
+    rest, with the sign decided by the joint's velocity (Corke, Robotics Toolbox, ``Link.friction``).
+
+    Parameters
+    ----------
+    gear_ratio : float
+        Motor turns per joint turn, negative where the motor turns the other way; never 0; NaN where unknown.
+    rotor_inertia : float
+        kg m^2, motor side; NaN where unknown.
+    viscous_friction : float
+        N m s/rad, motor side; NaN where unknown.
+    coulomb_friction : array_like, shape (2,)
+        N m, motor side, for positive (>= 0) and negative (<= 0) joint velocity; NaN where unknown.
+    source : str
+        Where the numbers come from.
+
+    Raises
+    ------
+    InputError
+        For a zero gear ratio, a negative inertia or friction of the wrong sign.
+    """
+
+    gear_ratio: float = np.nan
+    rotor_inertia: float = np.nan
+    viscous_friction: float = np.nan
+    coulomb_friction: Array = field(default_factory=lambda: np.full(2, np.nan))
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        if not np.isnan(self.gear_ratio) and checked_number("gear_ratio", self.gear_ratio) == 0.0:
+            raise InputError("gear_ratio = 0: the ratio of motor speed to joint speed cannot be zero")
+        if not np.isnan(self.rotor_inertia):
+            checked_number("rotor_inertia", self.rotor_inertia, unit="kg m^2", at_least=0.0)
+        if not np.isnan(self.viscous_friction):
+            checked_number("viscous_friction", self.viscous_friction, unit="N m s/rad", at_least=0.0)
+        coulomb = checked_array("coulomb_friction", self.coulomb_friction, (2,), unit="N m", allow_nan=True)
+        if coulomb[0] < 0 or coulomb[1] > 0:
+            raise InputError(
+                f"coulomb_friction = [{coulomb[0]:g}, {coulomb[1]:g}] N m: the first (positive velocity) must be >= 0"
+                " and the second (negative velocity) <= 0"
+            )
+        object.__setattr__(self, "coulomb_friction", coulomb)
+
+    @property
+    def armature(self) -> float:
+        """Rotor inertia at the joint, ``rotor_inertia * gear_ratio**2`` in kg m^2."""
+        return self.rotor_inertia * self.gear_ratio**2
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Limits:
+    """What the joints may do, at the joint side; NaN means unknown, never unlimited.
+
+    Parameters
+    ----------
+    position : array_like, shape (n_joints, 2)
+        Lower and upper bound in rad (m for prismatic joints); NaN for a continuous joint's.
+    velocity, acceleration, jerk, effort : array_like, shape (n_joints,)
+        Magnitudes in rad/s, rad/s^2, rad/s^3 and N m (m/s ... and N for prismatic joints).
+    source : str
+        Where the numbers come from.
+    """
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+    jerk: Array
+    effort: Array
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        position = checked_array("position", self.position, (None, 2), allow_nan=True)
+        if (position[:, 0] >= position[:, 1]).any():
+            k = int(np.argmax(position[:, 0] >= position[:, 1]))
+            raise InputError(f"position[{k}]: lower bound {position[k, 0]:g} is not below upper {position[k, 1]:g}")
+        object.__setattr__(self, "position", position)
+        for name in ("velocity", "acceleration", "jerk", "effort"):
+            values = checked_array(name, getattr(self, name), (len(position),), allow_nan=True)
+            if (values <= 0).any():
+                k = int(np.argmax(values <= 0))
+                raise InputError(f"{name} limit[{k}] = {values[k]:g} must be positive (NaN where unknown)")
+            object.__setattr__(self, name, values)
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Payload:
+    """A rigid body held at the tool.
+
+    Parameters
+    ----------
+    mass : float
+        kg.
+    com : array_like, shape (3,)
+        Centre of mass in the tool frame, m.
+    inertia : array_like, shape (3, 3)
+        About the centre of mass, tool axes, kg m^2; zero (a point mass) by default.
+    """
+
+    mass: float
+    com: Array = field(default_factory=lambda: np.zeros(3))
+    inertia: Array = field(default_factory=lambda: np.zeros((3, 3)))
+
+    def __post_init__(self) -> None:
+        checked_number("mass", self.mass, unit="kg", at_least=0.0)
+        object.__setattr__(self, "com", checked_array("com", self.com, (3,), unit="m"))
+        inertia = checked_array("inertia", self.inertia, (3, 3), unit="kg m^2")
+        moments = np.linalg.eigvalsh(inertia)
+        slack = 1e-12 * max(1e-300, float(np.abs(moments).max()))
+        if not np.allclose(inertia, inertia.T, rtol=1e-12, atol=slack):
+            raise InputError("inertia: a payload's inertia matrix must be symmetric")
+        if moments[0] < -slack or moments[0] + moments[1] < moments[2] - slack:
+            raise InputError(
+                f"inertia: principal moments {moments.tolist()} kg m^2 are not those of a body"
+                " (each must be >= 0 and none larger than the sum of the other two)"
+            )
+        object.__setattr__(self, "inertia", inertia)
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Wrench:
+    """A constant force and torque that the tool exerts on the world, at the tool's origin.
+
+    It adds ``J^T [force, torque]`` to the joint torques.
+
+    Parameters
+    ----------
+    force, torque : array_like, shape (3,)
+        N and N m.
+    axes : {"tool", "world"}
+        Whether the components turn with the tool (a drill) or stay in world axes (a pull on a rope).
+    """
+
+    force: Array = field(default_factory=lambda: np.zeros(3))
+    torque: Array = field(default_factory=lambda: np.zeros(3))
+    axes: Literal["tool", "world"] = "tool"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "force", checked_array("force", self.force, (3,), unit="N"))
+        object.__setattr__(self, "torque", checked_array("torque", self.torque, (3,), unit="N m"))
+        checked_choice("wrench axes", self.axes, ("tool", "world"))

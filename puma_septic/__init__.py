@@ -1,0 +1,52 @@
+"""Joint trajectories of robot arms: the torque they need, held against what the motors can do.
+
+The public names are loaded when they are first used, so that importing the package and
+``puma-septic --help`` answer at once.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Final
+
+__version__ = "0.1.0"
+
+# A public name has one line here, for the interpreter, and one below, for the type checker.
+_HOMES: Final = {
+    "Actuator": "robot",
+    "InputError": "errors",
+    "Limits": "robot",
+    "ModelError": "errors",
+    "NoSolution": "errors",
+    "Payload": "robot",
+    "PumaSepticError": "errors",
+    "Robot": "robot",
+    "Wrench": "robot",
+}
+
+__all__ = ["__version__", *_HOMES]
+
+if TYPE_CHECKING:
+    from puma_septic.errors import InputError as InputError
+    from puma_septic.errors import ModelError as ModelError
+    from puma_septic.errors import NoSolution as NoSolution
+    from puma_septic.errors import PumaSepticError as PumaSepticError
+    from puma_septic.robot import Actuator as Actuator
+    from puma_septic.robot import Limits as Limits
+    from puma_septic.robot import Payload as Payload
+    from puma_septic.robot import Robot as Robot
+    from puma_septic.robot import Wrench as Wrench
+else:  # hidden from the type checker, which would take every misspelt name for an attribute
+
+    def __getattr__(name: str) -> object:
+        """Load a public name from its home; a module that is public itself is its own home."""
+        if name not in _HOMES:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        home = _HOMES[name]
+        module = import_module(f"{__name__}.{home}")
+        globals()[name] = value = module if home == name else getattr(module, name)
+        return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

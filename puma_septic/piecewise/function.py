@@ -1,0 +1,311 @@
+"""Piecewise: the one kind of thing that every computed quantity is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike
+
+from puma_septic.checks import Array, checked_array, checked_times
+from puma_septic.errors import InputError
+from puma_septic.piecewise import matrices
+from puma_septic.piecewise.fitting import fit_series
+from puma_septic.piecewise.search import find_extrema, find_sign_changes
+
+__all__ = ["Extrema", "Jumps", "Piecewise"]
+
+# Two times closer than this part of the largest time are one: a few hundred roundings of a time stamp.
+_SAME_TIME = 1e-13
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Extrema:
+    """Least and greatest values of each component, and when each is first reached.
+
+    Attributes
+    ----------
+    min, max : ndarray, shape (m,)
+    t_min, t_max : ndarray, shape (m,)
+    """
+
+    min: Array
+    max: Array
+    t_min: Array
+    t_max: Array
+
+    @property
+    def peak(self) -> Array:
+        """Largest magnitude, shape (m,)."""
+        return np.maximum(np.abs(self.min), np.abs(self.max))
+
+    @property
+    def t_peak(self) -> Array:
+        """Instant of the largest magnitude, shape (m,)."""
+        return np.where(np.abs(self.min) > np.abs(self.max), self.t_min, self.t_max)
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Jumps:
+    """Steps of a function.
+
+    Attributes
+    ----------
+    times : ndarray, shape (k,)
+        s.
+    sizes : ndarray, shape (k, m)
+        Value after the instant less value before it.
+    """
+
+    times: Array
+    sizes: Array
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Piecewise:
+    """A vector function of time, one Chebyshev series per interval and component.
+
+    On interval i, with ``x = (2 t - breaks[i] - breaks[i+1]) / (breaks[i+1] - breaks[i])``, component j is
+    ``sum_k coefficients[k, i, j] T_k(x)``. At an interior break the function has the right-hand value, at the
+    end the left-hand one; it may step at breaks and is smooth between them.
+
+    Parameters
+    ----------
+    breaks : array_like, shape (n + 1,)
+        Strictly increasing times in s.
+    coefficients : array_like, shape (degree + 1, n, m)
+
+    Examples
+    --------
+    >>> ramp_and_rest = Piecewise.from_power([0.0, 1.0, 3.0], [[[0.0], [2.0]], [[2.0], [0.0]]])
+    >>> ramp_and_rest([0.5, 2.0]).ravel()
+    array([1., 2.])
+    >>> float(ramp_and_rest.integral()(3.0)[0])
+    5.0
+    """
+
+    breaks: Array
+    coefficients: Array
+
+    def __post_init__(self) -> None:
+        breaks = checked_times("breaks", self.breaks)
+        if len(breaks) < 2:
+            raise InputError(f"breaks: at least 2 times are needed, got {len(breaks)}")
+        shape = (None, len(breaks) - 1, None)
+        object.__setattr__(self, "breaks", breaks)
+        object.__setattr__(self, "coefficients", checked_array("coefficients", self.coefficients, shape))
+
+    @classmethod
+    def _trusted(cls, breaks: Array, coefficients: Array) -> Piecewise:
+        """From arrays that this module has just made: no copy, no check; non-finite values still surface."""
+        new = object.__new__(cls)
+        breaks.setflags(write=False)
+        coefficients.setflags(write=False)
+        object.__setattr__(new, "breaks", breaks)
+        object.__setattr__(new, "coefficients", coefficients)
+        return new
+
+    @classmethod
+    def from_power(cls, breaks: ArrayLike, powers: ArrayLike) -> Piecewise:
+        """From powers of ``s = (t - breaks[i]) / (breaks[i+1] - breaks[i])``.
+
+        Parameters
+        ----------
+        powers : array_like, shape (degree + 1, n, m)
+            ``powers[k, i, j]`` multiplies ``s**k`` on interval i in component j.
+        """
+        powers = np.asarray(powers, dtype=np.float64)
+        matrix = matrices.from_power_matrix(len(powers) - 1)
+        return cls(breaks=np.asarray(breaks), coefficients=_apply(matrix, powers))
+
+    @classmethod
+    def fit(cls, f: Callable[[Array], Array], breaks: ArrayLike, *, tolerance: float = 1e-11) -> Piecewise:
+        """The series of a function that is smooth between the breaks.
+
+        The degree is raised until the tail of each component's series is below `tolerance` times that
+        component's own largest value (or below its rounding), then intervals are bisected.
+
+        Parameters
+        ----------
+        f : callable
+            ``f(t)`` with t of shape (k,) returns shape (k, m). It is called with many times at once, strictly
+            inside or at the ends of the intervals.
+        breaks : array_like, shape (n + 1,)
+            Where `f` may be less than smooth.
+        tolerance : float
+            Relative to each component's largest value.
+
+        Raises
+        ------
+        PumaSepticError
+            Where no degree and no bisection converges: `f` is not smooth inside an interval.
+        """
+        return cls._trusted(*fit_series(f, checked_times("breaks", breaks), tolerance))
+
+    @property
+    def n_components(self) -> int:
+        """Number of components m."""
+        return int(self.coefficients.shape[2])
+
+    @property
+    def degree(self) -> int:
+        """Common degree of the series."""
+        return len(self.coefficients) - 1
+
+    @property
+    def duration(self) -> float:
+        """Length of the span in s."""
+        return float(self.breaks[-1] - self.breaks[0])
+
+    def __call__(self, t: ArrayLike) -> Array:
+        """Values at times t: shape () gives (m,), shape (k,) gives (k, m); outside the span is an InputError."""
+        times = np.asarray(t, dtype=np.float64)
+        flat = times.reshape(-1)
+        inside = (flat >= self.breaks[0]) & (flat <= self.breaks[-1])
+        if not inside.all():
+            worst = flat[np.argmin(inside)]
+            raise InputError(f"t = {worst:g} s is outside the span [{self.breaks[0]:g}, {self.breaks[-1]:g}] s")
+        piece = np.searchsorted(self.breaks[1:-1], flat, side="right")
+        left, right = self.breaks[piece], self.breaks[piece + 1]
+        x = np.clip((2 * flat - left - right) / (right - left), -1.0, 1.0)
+        basis = chebyshev.chebvander(x, self.degree)
+        if len(self.breaks) == 2:
+            values = basis @ self.coefficients[:, 0]
+        else:
+            values = np.einsum("kd,dkm->km", basis, self.coefficients[:, piece])
+        return np.asarray(values.reshape(*times.shape, self.n_components))
+
+    def power_coefficients(self) -> Array:
+        """Coefficients of powers of ``t - breaks[i]`` on each interval, ascending, shape (n, degree + 1, m).
+
+        Meant for series of low degree: powers are ill conditioned beyond about 15.
+        """
+        powers = _apply(matrices.to_power_matrix(self.degree), self.coefficients)
+        lengths = np.diff(self.breaks) ** -np.arange(self.degree + 1.0)[:, None]
+        return np.moveaxis(powers * lengths[..., None], 0, 1)
+
+    def derivative(self) -> Piecewise:
+        """The derivative by time within the intervals; steps are left to `jumps`."""
+        scale = 2 / np.diff(self.breaks)[:, None]
+        return self._trusted(self.breaks, _apply(matrices.derivative_matrix(self.degree), self.coefficients) * scale)
+
+    def integral(self) -> Piecewise:
+        """The continuous integral from the start of the span."""
+        scale = np.diff(self.breaks)[:, None] / 2
+        series = _apply(matrices.integral_matrix(self.degree), self.coefficients) * scale
+        series[0, 1:] += np.cumsum(series.sum(axis=0), axis=0)[:-1]
+        return self._trusted(self.breaks, series)
+
+    def inner(self, other: Piecewise) -> Array:
+        """The integral of the product with `other` over the span, componentwise, shape (m,).
+
+        Exact for the series, without forming the product: ``f.inner(f)`` is T times the mean square.
+        """
+        f, g = _aligned(self, other)
+        top = max(f.degree, g.degree)
+        weighted = _apply(matrices.gram_matrix(top)[: f.degree + 1, : g.degree + 1], g.coefficients)
+        return np.einsum("dnm,dnm,n->m", f.coefficients, weighted, np.diff(f.breaks) / 2)
+
+    def extrema(self) -> Extrema:
+        """Least and greatest finite values, one-sided values at steps included."""
+        low, high = find_extrema(self.breaks, self.coefficients)
+        return Extrema(min=low[0], t_min=low[1], max=high[0], t_max=high[1])
+
+    def roots(self) -> tuple[Array, ...]:
+        """Times inside the intervals at which each component changes sign, one sorted array per component.
+
+        A zero without a change of sign (a double zero, rest) is none, and a change of sign across a break needs no
+        root: it is at the break.
+        """
+        return find_sign_changes(self.breaks, self.coefficients)
+
+    def signs(self) -> Array:
+        """Sign of each component in the middle of each interval, shape (n, m); 0 where it is zero throughout.
+
+        It is the sign on the whole interval once the function has been split at its `roots`.
+        """
+        middle = matrices.basis_at(np.zeros(1), self.degree)[0] @ self.coefficients.reshape(self.degree + 1, -1)
+        return np.sign(middle).reshape(self.coefficients.shape[1:])
+
+    def ends(self) -> tuple[Array, Array]:
+        """Values at the left and right end of each interval, each of shape (n, m)."""
+        left = np.tensordot(matrices.signs(self.degree), self.coefficients, 1)
+        return left, self.coefficients.sum(axis=0)
+
+    def jumps(self) -> Jumps:
+        """Steps at all interior breaks, rounding included."""
+        left, right = self.ends()
+        return Jumps(times=self.breaks[1:-1], sizes=left[1:] - right[:-1])
+
+    def split(self, times: ArrayLike) -> Piecewise:
+        """The same function with further breaks; times outside the span or at a break change nothing."""
+        wanted = np.asarray(times, dtype=np.float64).ravel()
+        breaks = _merged(self.breaks, wanted)
+        if len(breaks) == len(self.breaks):
+            return self
+        parent = np.searchsorted(self.breaks[1:-1], (breaks[:-1] + breaks[1:]) / 2)
+        left, right = self.breaks[parent], self.breaks[parent + 1]
+        start, stop = (2 * (end - left) / (right - left) - 1 for end in (breaks[:-1], breaks[1:]))
+        y = matrices.nodes(self.degree)
+        x = np.clip(start + (stop - start) * (y[:, None] + 1) / 2, -1.0, 1.0)
+        basis = chebyshev.chebvander(x, self.degree)
+        values = np.einsum("yid,dim->yim", basis, self.coefficients[:, parent], optimize=True)
+        return self._trusted(breaks, _apply(matrices.coefficients_from_values(self.degree), values))
+
+    def __add__(self, other: Piecewise) -> Piecewise:
+        f, g = _aligned(self, other)
+        if f.degree < g.degree:
+            f, g = g, f
+        total = f.coefficients.copy()
+        total[: g.degree + 1] += g.coefficients
+        return self._trusted(f.breaks, total)
+
+    def __sub__(self, other: Piecewise) -> Piecewise:
+        return self + other * -1.0
+
+    def __mul__(self, other: Piecewise | ArrayLike) -> Piecewise:
+        """The product, componentwise, with a function or with a constant of shape () or (m,)."""
+        if not isinstance(other, Piecewise):
+            return self._trusted(self.breaks, self.coefficients * np.asarray(other, dtype=np.float64))
+        f, g = _aligned(self, other)
+        degree = f.degree + g.degree
+        at_nodes = [_apply(matrices.values_matrix(h.degree, degree), h.coefficients) for h in (f, g)]
+        product = _apply(matrices.coefficients_from_values(degree), at_nodes[0] * at_nodes[1])
+        return self._trusted(f.breaks, product)
+
+
+def _apply(matrix: Array, coefficients: Array) -> Array:
+    """A matrix on the first axis, as one product."""
+    result = matrix @ coefficients.reshape(len(coefficients), -1)
+    return result.reshape(len(matrix), *coefficients.shape[1:])
+
+
+def _merged(breaks: Array, times: Array) -> Array:
+    """Breaks with those times added that lie inside the span and are not a break already."""
+    same = _SAME_TIME * max(abs(breaks[0]), abs(breaks[-1]))
+    inside = np.unique(times[(times > breaks[0] + same) & (times < breaks[-1] - same)])
+    if not len(inside):
+        return breaks
+    nearest = np.searchsorted(breaks, inside)
+    new = (inside - breaks[nearest - 1] > same) & (breaks[nearest] - inside > same)
+    new[1:] &= np.diff(inside) > same
+    return np.sort(np.concatenate([breaks, inside[new]]))
+
+
+def _aligned(f: Piecewise, g: Piecewise) -> tuple[Piecewise, Piecewise]:
+    """Both functions on the union of their breaks."""
+    if f.breaks is g.breaks:
+        return f, g
+    if f.breaks[0] != g.breaks[0] or f.breaks[-1] != g.breaks[-1]:
+        raise InputError(
+            f"functions on [{f.breaks[0]:g}, {f.breaks[-1]:g}] s and [{g.breaks[0]:g}, {g.breaks[-1]:g}] s"
+            " cannot be combined: their spans differ"
+        )
+    f = f.split(g.breaks)
+    return f, Piecewise._trusted(f.breaks, g.split(f.breaks).coefficients)

@@ -1,0 +1,128 @@
+"""LSPB as the paper ran it: straight segments with quintic blends, after Corke's mstraj."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from puma_septic.checks import Array, checked_array, checked_number
+from puma_septic.errors import InputError
+from puma_septic.piecewise import Piecewise
+from puma_septic.profiles.points import boundary, checked_points, named
+from puma_septic.profiles.quintic import quintic_powers
+from puma_septic.trajectory import Trajectory
+
+__all__ = ["lspb"]
+
+
+def lspb(
+    points: ArrayLike,
+    *,
+    durations: ArrayLike | None = None,
+    max_velocity: ArrayLike | None = None,
+    blend_time: float,
+    joint_names: Sequence[str] | None = None,
+) -> Trajectory:
+    """Straight segments joined by quintic blends: Corke's `mstraj` as a function of continuous time.
+
+    Segment k runs at ``v_k = (q_k - q_k-1) / T_k``. Around each via, a quintic of length `blend_time` with zero
+    acceleration at both ends leads from ``(q_k - v_k tb, v_k)`` to ``(q_k + v_k+1 tb, v_k+1)``, tb = blend_time / 2.
+    The first blend, of length tb, leads from rest at q_0 to ``(q_0 + v_1 tb, v_1)``; the last likewise to rest.
+    Nothing is rounded to a time step, as it is in the toolbox (Corke, Robotics Toolbox, ``mstraj``).
+
+    Consequences in closed form: a via is missed by ``3/32 blend_time dv``, the interior blend's acceleration peaks at
+    ``1.5 dv / blend_time`` and its jerk steps by ``6 dv / blend_time^2``; the first and last blend overspeed to
+    ``1.512 v``. Position, velocity and acceleration are continuous. With ``blend_time=0`` the velocity steps.
+
+    Parameters
+    ----------
+    points : array_like, shape (k, n_joints)
+        At least two, rad (m for prismatic joints).
+    durations : array_like, shape (k - 1,)
+        Of the segments, each at least `blend_time`, s. Either this or `max_velocity`.
+    max_velocity : array_like, shape () or (n_joints,)
+        Positive, rad/s. Each segment then takes ``max(2 blend_time, max over joints of b + |dq| / max_velocity)``
+        with b = tb for the first segment and blend_time for the others, as `mstraj` does; the speed is not held
+        exactly (see above), the assessment tells by how much.
+    blend_time : float
+        Length of an interior blend (`tacc` of mstraj), s.
+    joint_names : sequence of str, optional
+
+    Raises
+    ------
+    InputError
+        For a blend longer than a segment, both or neither of `durations` and `max_velocity`, and bad arrays.
+
+    Examples
+    --------
+    >>> import puma_septic as ps
+    >>> move = ps.lspb([[0.0], [1.0]], durations=[2.0], blend_time=0.5)
+    >>> float(move(1.0, order=1)[0])
+    0.5
+    """
+    vias = checked_points("lspb", points)
+    blend = checked_number("blend_time", blend_time, unit="s", at_least=0.0)
+    lengths = _durations(vias, durations, max_velocity, blend)
+    if (lengths < blend).any():
+        k = int(np.argmax(lengths < blend))
+        raise InputError(
+            f"blend_time = {blend:g} s is longer than segment {k + 1} (point {k} to {k + 1}), which takes"
+            f" {lengths[k]:g} s; the blends at both its ends would overlap"
+        )
+    times = np.concatenate([[0.0], np.cumsum(lengths)])
+    return Trajectory(
+        position=_blended(vias, times, np.diff(vias, axis=0) / lengths[:, None], blend / 2),
+        points=vias,
+        times=times,
+        profile="lspb",
+        joint_names=named(joint_names),
+    )
+
+
+def _durations(points: Array, durations: ArrayLike | None, max_velocity: ArrayLike | None, blend: float) -> Array:
+    """Segment durations, given or from the speed limit."""
+    if (durations is None) == (max_velocity is None):
+        given = "both" if durations is not None else "neither"
+        raise InputError(f"lspb takes either durations or max_velocity; {given} of them is given")
+    if durations is not None:
+        lengths = checked_array("durations", durations, (len(points) - 1,), unit="s")
+        if not (lengths > 0).all():
+            k = int(np.argmax(~(lengths > 0)))
+            raise InputError(f"durations[{k}] = {lengths[k]:g} s must be positive")
+        return lengths
+    assert max_velocity is not None
+    speed = boundary("max_velocity", max_velocity, points.shape[1], "rad/s")
+    if not (speed > 0).all():
+        k = int(np.argmax(~(speed > 0)))
+        raise InputError(f"max_velocity[{k}] = {speed[k]:g} rad/s must be positive")
+    needed = (np.abs(np.diff(points, axis=0)) / speed).max(axis=1)
+    needed[0] += blend / 2
+    needed[1:] += blend
+    lengths = np.maximum(needed, 2 * blend)
+    if not (lengths > 0).all():
+        raise InputError(f"segment {int(np.argmin(lengths)) + 1}: equal points and no blend leave it without duration")
+    return np.asarray(lengths)
+
+
+def _blended(points: Array, times: Array, v: Array, tb: float) -> Piecewise:
+    """Blends and lines in turn; intervals of no length are left out."""
+    rest = np.zeros((1, points.shape[1]))
+    v_in, v_out = np.concatenate([rest, v]), np.concatenate([v, rest])
+    start, end = times - tb, times + tb
+    start[0], end[-1] = times[0], times[-1]
+    blend_from, blend_to = points - v_in * tb, points + v_out * tb
+    starts = np.ravel(np.column_stack([start, end]))
+    q = np.stack([blend_from, blend_to], axis=1).reshape(-1, points.shape[1])
+    # Row 2k is blend k, row 2k + 1 the line after it.
+    v0 = np.repeat(v_in, 2, axis=0)[:-1].copy()
+    v0[1::2] = v
+    v1 = np.repeat(v_out, 2, axis=0)[:-1].copy()
+    lengths = np.diff(starts)
+    kept = lengths > 1e-12 * times[-1]
+    powers = quintic_powers(q[:-1], q[1:], lengths, v0=v0, v1=v1)
+    # A line is a line to the last digit, whatever the quintic's rounding.
+    powers[1, 1::2] = np.diff(q, axis=0)[1::2]
+    powers[2:, 1::2] = 0.0
+    return Piecewise.from_power(np.append(starts[:-1][kept], times[-1]), powers[:, kept])

@@ -1,0 +1,90 @@
+"""Quintic segments between points, at rest or with given velocities at the points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from puma_septic.checks import Array, checked_array
+from puma_septic.piecewise import Piecewise
+from puma_septic.profiles.points import checked_points, checked_via_times, named
+from puma_septic.trajectory import Trajectory
+
+__all__ = ["quintic_powers", "quintic_segments"]
+
+
+def quintic_segments(
+    points: ArrayLike,
+    times: ArrayLike,
+    *,
+    velocities: ArrayLike | None = None,
+    accelerations: ArrayLike | None = None,
+    joint_names: Sequence[str] | None = None,
+) -> Trajectory:
+    """One quintic per segment; each via has a given velocity and acceleration, zero where none is given.
+
+    On a segment from (q0, v0, a0) to (q1, v1, a1) in T, with s = (t - t0)/T and h = q1 - q0:
+    ``q = q0 + v0 T s + a0 T^2/2 s^2 + c3 s^3 + c4 s^4 + c5 s^5``,
+    ``c3 = 10 h - (6 v0 + 4 v1) T - (3 a0 - a1) T^2/2``, ``c4 = -15 h + (8 v0 + 7 v1) T + (3 a0 - 2 a1) T^2/2``,
+    ``c5 = 6 h - 3 (v0 + v1) T - (a0 - a1) T^2/2`` (Biagiotti and Melchiorri, Trajectory Planning for Automatic
+    Machines and Robots, section 2.1.4). Position, velocity and acceleration are continuous; the jerk steps at every
+    point. With zero velocities, the arm stops at each via.
+
+    Parameters
+    ----------
+    points : array_like, shape (k, n_joints)
+        At least two, rad (m for prismatic joints).
+    times : array_like, shape (k,)
+        Strictly increasing, s.
+    velocities, accelerations : array_like, shape (k, n_joints), optional
+        At the points, rad/s and rad/s^2.
+    joint_names : sequence of str, optional
+
+    Raises
+    ------
+    InputError
+        For fewer than two points, times that do not increase, non-finite or misshapen arrays.
+
+    Examples
+    --------
+    >>> import puma_septic as ps
+    >>> move = ps.quintic_segments([[0.0], [1.0], [0.0]], [0.0, 1.0, 2.0])
+    >>> move(1.0, order=1).tolist()
+    [0.0]
+    """
+    vias = checked_points("quintic_segments", points)
+    instants = checked_via_times(times, vias)
+    v, a = (
+        np.zeros_like(vias) if given is None else checked_array(name, given, vias.shape, unit=unit)
+        for name, given, unit in (("velocities", velocities, "rad/s"), ("accelerations", accelerations, "rad/s^2"))
+    )
+    powers = quintic_powers(vias[:-1], vias[1:], np.diff(instants), v0=v[:-1], v1=v[1:], a0=a[:-1], a1=a[1:])
+    return Trajectory(
+        position=Piecewise.from_power(instants, powers),
+        points=vias,
+        times=instants,
+        profile="quintic_segments",
+        joint_names=named(joint_names),
+    )
+
+
+def quintic_powers(
+    q0: Array,
+    q1: Array,
+    durations: Array,
+    *,
+    v0: Array | float = 0.0,
+    v1: Array | float = 0.0,
+    a0: Array | float = 0.0,
+    a1: Array | float = 0.0,
+) -> Array:
+    """Powers of the normalised time, shape (6, n, m), of n quintics; formula in `quintic_segments`."""
+    T = durations[:, None]
+    h = q1 - q0
+    c0, c1, c2 = q0, v0 * T, a0 * T**2 / 2
+    c3 = 10 * h - (6 * v0 + 4 * v1) * T - (3 * a0 - a1) * T**2 / 2
+    c4 = -15 * h + (8 * v0 + 7 * v1) * T + (3 * a0 - 2 * a1) * T**2 / 2
+    c5 = 6 * h - 3 * (v0 + v1) * T - (a0 - a1) * T**2 / 2
+    return np.stack(np.broadcast_arrays(c0, c1, c2, c3, c4, c5))

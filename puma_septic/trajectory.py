@@ -1,0 +1,168 @@
+"""Trajectory: what is true of any joint-space motion, whatever profile made it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from puma_septic.checks import Array, checked_array, checked_times
+from puma_septic.errors import InputError
+from puma_septic.piecewise import Extrema, Jumps, Piecewise
+
+__all__ = ["Trajectory"]
+
+ORDERS = ("position", "velocity", "acceleration", "jerk")
+# A step below this part of the largest value of its kind (or of what rounding of the position makes of it) is none.
+_JUMP_TOLERANCE = 1e-9
+_ROUNDING = 1e-13
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Trajectory:
+    """Joint positions over time and their derivatives, exactly.
+
+    Parameters
+    ----------
+    position : Piecewise
+        rad (m for prismatic joints) over s, continuous.
+    points : array_like, shape (k, n_joints)
+        The points that the trajectory was asked to visit.
+    times : array_like, shape (k,)
+        When, in s.
+    profile : str
+        Name of the family that made it.
+    joint_names : tuple of str
+        Empty where the profile was made without a robot.
+
+    Raises
+    ------
+    InputError
+        If the position jumps: no arm can follow it.
+
+    Examples
+    --------
+    >>> import puma_septic as ps
+    >>> move = ps.quintic_segments([[0.0], [1.0]], [0.0, 2.0])
+    >>> float(move(1.0, order=1)[0])  # 1.875 h / T at the middle
+    0.9375
+    """
+
+    position: Piecewise
+    points: Array
+    times: Array
+    profile: str = "trajectory"
+    joint_names: tuple[str, ...] = ()
+    _derivatives: tuple[Piecewise, Piecewise, Piecewise, Piecewise] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        times = checked_times("times", self.times)
+        n = self.position.n_components
+        object.__setattr__(self, "times", times)
+        object.__setattr__(self, "points", checked_array("points", self.points, (len(times), n), unit="rad"))
+        if self.joint_names and len(self.joint_names) != n:
+            raise InputError(f"joint_names: {len(self.joint_names)} names for {n} joints")
+        velocity = self.position.derivative()
+        acceleration = velocity.derivative()
+        series = (self.position, velocity, acceleration, acceleration.derivative())
+        object.__setattr__(self, "_derivatives", series)
+        if len(self.position.breaks) > 2:
+            self._refuse_position_jumps()
+
+    def _refuse_position_jumps(self) -> None:
+        jumps = self.position.jumps()
+        allowed = _JUMP_TOLERANCE * np.abs(self.position.coefficients).sum(axis=0).max(axis=0)
+        bad = np.abs(jumps.sizes) > allowed
+        if bad.any():
+            k, j = np.argwhere(bad)[0]
+            raise InputError(
+                f"{self.joint_label(int(j))}: position jumps by {jumps.sizes[k, j]:g} rad at t = {jumps.times[k]:g} s;"
+                " a trajectory must be continuous"
+            )
+
+    @property
+    def n_joints(self) -> int:
+        """Number of joints."""
+        return self.position.n_components
+
+    @property
+    def breaks(self) -> Array:
+        """Times at which the function may be less than smooth, both ends included, s."""
+        return self.position.breaks
+
+    @property
+    def duration(self) -> float:
+        """s."""
+        return self.position.duration
+
+    def joint_label(self, j: int) -> str:
+        """How messages call joint j."""
+        return f"joint {self.joint_names[j]!r}" if self.joint_names else f"joint {j + 1}"
+
+    def derivative(self, order: int) -> Piecewise:
+        """Position (0), velocity (1), acceleration (2) or jerk (3) as a function of time."""
+        if order not in (0, 1, 2, 3):
+            valid = ", ".join(f"{k} ({name})" for k, name in enumerate(ORDERS))
+            raise InputError(f"order = {order!r} is not one of {valid}")
+        return self._derivatives[order]
+
+    def __call__(self, t: ArrayLike, order: int = 0) -> Array:
+        """Values at times t, shape () or (n,), as (n_joints,) or (n, n_joints).
+
+        At a step the right-hand value, at the end the left-hand one. Times outside the span are an InputError.
+        """
+        return self.derivative(order)(t)
+
+    def power_coefficients(self) -> Array:
+        """Coefficients of powers of ``t - breaks[i]``, shape (n_intervals, degree + 1, n_joints), ascending."""
+        return self.position.power_coefficients()
+
+    def extrema(self, order: int = 0) -> Extrema:
+        """Least and greatest finite values and their instants; see `jumps` for what is unbounded."""
+        return self.derivative(order).extrema()
+
+    def jumps(self, order: int) -> Jumps:
+        """Steps of velocity (1), acceleration (2) or jerk (3), larger than rounding, at breaks and ends.
+
+        Before the first and after the last instant the arm is at rest, so a value other than zero there is a step.
+        """
+        series = self.derivative(order)
+        left, right = series.ends()
+        rest = np.zeros((1, self.n_joints))
+        sizes = np.concatenate([left, rest]) - np.concatenate([rest, right])
+        step = np.abs(sizes) > self._jump_tolerance(order)
+        some = step.any(axis=1)
+        return Jumps(times=self.breaks[some], sizes=np.where(step, sizes, 0.0)[some])
+
+    def unbounded(self, order: int) -> Array:
+        """Whether each joint's derivative of this order is unbounded, because a lower one steps, shape (n_joints,)."""
+        result = np.zeros(self.n_joints, dtype=bool)
+        for lower in range(1, order):
+            result |= (self.jumps(lower).sizes != 0).any(axis=0)
+        return result
+
+    def _jump_tolerance(self, order: int) -> Array:
+        """Per joint: a part of the largest value, and no less than the rounding of the position makes of it."""
+        largest = np.abs(self.derivative(order).coefficients).sum(axis=0).max(axis=0)
+        position = np.abs(self.position.coefficients).sum(axis=0).max(axis=0)
+        shortest = np.diff(self.breaks).min()
+        rounding = _ROUNDING * position * (max(1, self.position.degree) ** 2 / shortest) ** order
+        return np.asarray(np.maximum(_JUMP_TOLERANCE * largest, rounding))
+
+    @property
+    def overshoot(self) -> Array:
+        """Largest excess of each joint beyond the hull of the via points, rad, shape (n_joints,)."""
+        reach = self.extrema(0)
+        above, below = reach.max - self.points.max(axis=0), self.points.min(axis=0) - reach.min
+        excess = np.maximum(above, below)
+        # Visiting the outermost via itself, to rounding, is no overshoot.
+        return np.where(excess > _ROUNDING * np.abs(self.points).max(axis=0), excess, 0.0)
+
+    @property
+    def via_miss(self) -> Array:
+        """Largest distance of each joint from a via point at its time, rad, shape (n_joints,)."""
+        miss = np.abs(self(self.times) - self.points).max(axis=0)
+        return np.where(miss > _ROUNDING * (1 + np.abs(self.points).max(axis=0)), miss, 0.0)

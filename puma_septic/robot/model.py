@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from puma_septic.checks import Array, checked_array, checked_choice, read_only
 from puma_septic.errors import InputError
+from puma_septic.robot.meshes import Geometry
 from puma_septic.robot.values import Actuator, Limits, Payload, Wrench
 
 __all__ = ["Robot"]
@@ -36,7 +37,13 @@ class Robot:
     actuators : tuple of Actuator
         One per joint; its values are NaN where nothing is known of the drive.
     limits : Limits
-    visual_model, collision_model : pinocchio.GeometryModel
+    geometry : Geometry
+        Visual and collision shapes, not yet built.
+    missing_inertia : tuple of str
+        Joints that would move no inertia at all, because the URDF has none for what they carry: no torque can be
+        computed with them.
+    missing_meshes : tuple of str
+        Link and mesh name of each shape that is left out because its file was not found.
     payload : Payload or None
     wrench : Wrench or None
     notes : tuple of str
@@ -55,8 +62,9 @@ class Robot:
     tool: str
     actuators: tuple[Actuator, ...]
     limits: Limits
-    visual_model: pin.GeometryModel
-    collision_model: pin.GeometryModel
+    geometry: Geometry
+    missing_inertia: tuple[str, ...] = ()
+    missing_meshes: tuple[str, ...] = ()
     payload: Payload | None = None
     wrench: Wrench | None = None
     notes: tuple[str, ...] = ()
@@ -103,7 +111,7 @@ class Robot:
         armature[self._index_v] = self.armature
         model.armature = armature
         if self.payload is not None:
-            frame = model.frames[model.getFrameId(self.tool)]
+            frame = model.frames[_frame_id(model, self.tool)]
             body = pin.Inertia(self.payload.mass, self.payload.com, self.payload.inertia)
             model.appendBodyToJoint(frame.parentJoint, body, frame.placement)
         return model
@@ -116,7 +124,17 @@ class Robot:
     @property
     def tool_id(self) -> int:
         """Index of the tool frame in `model`."""
-        return int(self.model.getFrameId(self.tool))
+        return _frame_id(self.model, self.tool)
+
+    @property
+    def visual_model(self) -> pin.GeometryModel:
+        """Shapes to draw, built on each access (meshes are read then): keep it where it is used twice."""
+        return self.geometry.build(self.bare_model, pin.GeometryType.VISUAL)
+
+    @property
+    def collision_model(self) -> pin.GeometryModel:
+        """Shapes to test for contact, without pairs; built on each access like `visual_model`."""
+        return self.geometry.build(self.bare_model, pin.GeometryType.COLLISION)
 
     def joint_index(self, name: str) -> int:
         """Index of a joint in this package's arrays; an unknown name lists the valid ones."""
@@ -183,3 +201,8 @@ class Robot:
         if position is not None:
             changes["position"] = checked_array("position", position, (self.n_joints, 2), allow_nan=True)
         return replace(self, limits=replace(new, **changes) if changes else new)
+
+
+def _frame_id(model: pin.Model, name: str) -> int:
+    """Index of a frame that exists; where a link and a joint share the name, the link is meant."""
+    return int(model.getFrameId(name, pin.FrameType.BODY) if model.existBodyName(name) else model.getFrameId(name))

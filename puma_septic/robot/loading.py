@@ -1,0 +1,253 @@
+"""load_robot: from a URDF and an actuator file to a Robot."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from puma_septic.checks import Array, checked_array, checked_choice, checked_number
+from puma_septic.errors import InputError, ModelError
+from puma_septic.robot.actuator_file import ActuatorFile, ParameterSet, read_actuator_file
+from puma_septic.robot.meshes import confined_geometry
+from puma_septic.robot.model import Robot
+from puma_septic.robot.urdf_checks import Urdf, checked_urdf
+from puma_septic.robot.urdf_text import read_urdf
+from puma_septic.robot.values import Actuator, Limits
+
+__all__ = ["load_robot"]
+
+BUILT_IN = ("puma560",)
+
+
+def load_robot(
+    source: str | Path = "puma560",
+    *,
+    parameters: str | None = None,
+    limits: str | None = None,
+    actuators: str | Path | None = None,
+    tool: str | None = None,
+    package_dirs: Sequence[str | Path] = (),
+    locked: Mapping[str, float] | None = None,
+    gravity: ArrayLike = (0.0, 0.0, -9.81),
+) -> Robot:
+    """Load the built-in PUMA 560, or any URDF with an optional actuator file.
+
+    The URDF is checked before Pinocchio reads it, because Pinocchio drops an inertia with a misspelt number, loses a
+    joint in a closed loop and takes a misspelt origin for zero without a word.
+
+    Parameters
+    ----------
+    source : str or Path
+        "puma560" or the path of a .urdf file.
+    parameters, limits : str, optional
+        Named sets of the actuator file; its defaults otherwise. PUMA: parameters "rtb" or "akb", limits "corke", "akb"
+        or "benchmark".
+    actuators : str or Path, optional
+        Actuator file (TOML). Without one, rotor inertia and friction are unknown (NaN, and not in the torques), and
+        the limits are the URDF's.
+    tool : str, optional
+        Frame that is positioned and that carries payload and wrench; the actuator file's otherwise ("flange" for the
+        PUMA), else the end of the longest chain, which a note names.
+    package_dirs : sequence of str or Path
+        Folders that hold the packages of ``package://`` mesh names. Meshes are opened from these, from the URDF's folder
+        and from the package that it lies in, from nowhere else.
+    locked : mapping of str to float, optional
+        Joints to fix, with their position in rad (m for prismatic joints), such as a gripper's fingers.
+    gravity : array_like, shape (3,)
+        m/s^2 in the URDF's base frame; (0, 0, 9.81) for an arm that hangs from the ceiling.
+
+    Returns
+    -------
+    Robot
+        Joints in the order of the URDF's text. What a reader of results must know is in its notes.
+
+    Raises
+    ------
+    InputError
+        For an unknown robot, set, frame or joint (the valid ones are listed) or a locked position outside its limits.
+    ModelError
+        For a file that is missing, malformed or describes no arm, with file, line and element.
+
+    Examples
+    --------
+    >>> robot = load_robot()
+    >>> robot.joint_names
+    ('joint1', 'joint2', 'joint3', 'joint4', 'joint5', 'joint6')
+    >>> robot.limits.effort.tolist()
+    [56.0, 97.0, 52.0, 10.0, 10.0, 10.0]
+    """
+    down = checked_array("gravity", gravity, (3,), unit="m/s^2")
+    positions = {name: checked_number(f"locked[{name!r}]", x) for name, x in (locked or {}).items()}
+    urdf_path, actuator_path = _paths(source, actuators)
+    urdf = checked_urdf(read_urdf(urdf_path), positions)
+    file = None if actuator_path is None else read_actuator_file(actuator_path, urdf.name)
+    drives = _parameter_set(file, parameters, urdf)
+    _apply(drives, urdf)
+    for name, position in positions.items():
+        _lock(urdf, name, position)
+    model = _pinocchio_model(urdf, down)
+    geometry, missing_meshes = confined_geometry(urdf.text, package_dirs)
+    urdf_limits, limit_notes = _urdf_limits(urdf)
+    chosen_tool, tool_notes = _tool(tool, file, urdf)
+    return Robot(
+        name=urdf.name,
+        bare_model=model,
+        joint_names=urdf.moving,
+        tool=chosen_tool,
+        actuators=tuple(drives.actuators[name] for name in urdf.moving),
+        limits=_limits(file, limits, urdf_limits, urdf),
+        geometry=geometry,
+        missing_meshes=missing_meshes,
+        notes=(*drives.notes, *urdf.notes, *limit_notes, *tool_notes),
+    )
+
+
+def _paths(source: str | Path, actuators: str | Path | None) -> tuple[Path, Path | None]:
+    """Files of a robot; a plain name is a built-in one."""
+    given = None if actuators is None else Path(actuators)
+    if isinstance(source, str):
+        if source.lstrip().startswith("<"):
+            raise InputError("source: this is XML text; write it to a .urdf file and pass its path")
+        if source in BUILT_IN:
+            folder = _data_folder()
+            return folder / f"{source}.urdf", given or folder / f"{source}_actuators.toml"
+        if Path(source).name == source and not source.endswith(".urdf"):
+            names = ", ".join(map(repr, BUILT_IN))
+            raise InputError(f"unknown robot {source!r}; valid: {names}, or the path of a .urdf file")
+    return Path(source), given
+
+
+def _data_folder() -> Path:
+    """`urdf` lies inside the installed package, or beside it in the source tree."""
+    package = Path(__file__).resolve().parents[1]
+    inside = package / "urdf"
+    return inside if inside.is_dir() else package.parent / "urdf"
+
+
+def _parameter_set(file: ActuatorFile | None, name: str | None, urdf: Urdf) -> ParameterSet:
+    if file is not None:
+        return file.parameter_set(name, urdf.moving)
+    if name is not None:
+        raise InputError(f"parameters {name!r}: there are no named sets without an actuator file (actuators=...)")
+    note = "no actuator file: rotor inertia and friction are unknown and not in the torques"
+    return ParameterSet(
+        name="", notes=(note,), actuators={joint: Actuator() for joint in urdf.moving}, link_coms={}, joint_origins={}
+    )
+
+
+def _limits(file: ActuatorFile | None, name: str | None, urdf_limits: Limits, urdf: Urdf) -> Limits:
+    if file is not None:
+        return file.limit_set(name, urdf_limits, urdf.moving)
+    if name is not None:
+        raise InputError(f"limits {name!r}: there are no named sets without an actuator file (actuators=...)")
+    return urdf_limits
+
+
+def _apply(drives: ParameterSet, urdf: Urdf) -> None:
+    """Write a parameter set's centres of mass and joint origins into the tree."""
+    for name, com in drives.link_coms.items():
+        inertial = urdf.links[checked_choice("link in the actuator file", name, urdf.links)].find("inertial")
+        if inertial is None:
+            raise ModelError(f"actuator file: link {name!r} has no <inertial> whose com could be replaced")
+        _set_origin(inertial, xyz=com)
+    for name, xyz in drives.joint_origins.items():
+        _set_origin(urdf.joints[checked_choice("joint in the actuator file", name, urdf.joints)].element, xyz=xyz)
+
+
+def _lock(urdf: Urdf, name: str, position: float) -> None:
+    """Turn a joint into a fixed one at this position."""
+    element = urdf.joints[name].element
+    axis = _vector(element.find("axis"), "xyz", (1.0, 0.0, 0.0))
+    axis = axis / np.linalg.norm(axis)
+    origin = element.find("origin")
+    rotation = pin.rpy.rpyToMatrix(_vector(origin, "rpy", (0.0, 0.0, 0.0)))
+    translation = _vector(origin, "xyz", (0.0, 0.0, 0.0))
+    if element.get("type") == "prismatic":
+        translation = translation + rotation @ axis * position
+    else:
+        rotation = rotation @ pin.AngleAxis(position, axis).matrix()
+    _set_origin(element, xyz=translation, rpy=pin.rpy.matrixToRpy(rotation))
+    element.set("type", "fixed")
+
+
+def _set_origin(element: ET.Element, **values: Array) -> None:
+    origin = element.find("origin")
+    if origin is None:
+        origin = ET.SubElement(element, "origin")
+    for name, value in values.items():
+        origin.set(name, " ".join(repr(float(x)) for x in value))
+
+
+def _vector(element: ET.Element | None, name: str, default: tuple[float, ...]) -> Array:
+    text = None if element is None else element.get(name)
+    return np.array(default if text is None else [float(x) for x in text.split()])
+
+
+def _pinocchio_model(urdf: Urdf, gravity: Array) -> pin.Model:
+    """Pinocchio's model of links, joints and inertias alone: it never sees a tag that was not checked."""
+    tree = ET.Element("robot", name=urdf.name)
+    for name, link in urdf.links.items():
+        ET.SubElement(tree, "link", name=name).extend(link.findall("inertial"))
+    for joint in urdf.joints.values():
+        element = ET.SubElement(tree, "joint", name=joint.name, type=joint.kind)
+        element.extend(child for child in joint.element if child.tag in ("origin", "parent", "child", "axis", "limit"))
+    try:
+        model = pin.buildModelFromXML(ET.tostring(tree, encoding="unicode"))
+    except (ValueError, RuntimeError) as error:
+        raise ModelError(f"{urdf.text.path}: Pinocchio refuses this URDF: {str(error).strip()}") from error
+    model.gravity.linear = np.array(gravity)
+    return model
+
+
+def _urdf_limits(urdf: Urdf) -> tuple[Limits, tuple[str, ...]]:
+    """Limits as the URDF has them; an effort or velocity of 0 is a placeholder, so unknown."""
+    n = len(urdf.moving)
+    values = {name: np.full(n, np.nan) for name in ("lower", "upper", "velocity", "effort")}
+    notes = []
+    for k, name in enumerate(urdf.moving):
+        joint = urdf.joints[name]
+        limit = joint.element.find("limit")
+        given = {} if limit is None else {key: float(limit.get(key, "0")) for key in values}
+        if joint.kind != "continuous":
+            values["lower"][k], values["upper"][k] = given["lower"], given["upper"]
+        for key in ("velocity", "effort"):
+            values[key][k] = given.get(key, 0.0) or np.nan
+            if np.isnan(values[key][k]):
+                notes.append(f"joint {name!r}: the URDF gives no {key} limit (or 0): unknown")
+    unknown = np.full(n, np.nan)
+    limits = Limits(
+        position=np.column_stack([values["lower"], values["upper"]]),
+        velocity=values["velocity"],
+        acceleration=unknown,
+        jerk=unknown,
+        effort=values["effort"],
+        source=f"{urdf.text.path.name}: no acceleration or jerk limits in a URDF",
+    )
+    return limits, tuple(notes)
+
+
+def _tool(tool: str | None, file: ActuatorFile | None, urdf: Urdf) -> tuple[str, tuple[str, ...]]:
+    """The caller's tool frame, else the actuator file's, else the end of the longest chain."""
+    chosen = tool if tool is not None else file.tool if file is not None else None
+    if chosen is not None:
+        return checked_choice("tool frame", chosen, [*urdf.links, *urdf.joints]), ()
+    above = {joint.child: joint for joint in urdf.joints.values()}
+
+    def length(link: str) -> tuple[int, int]:
+        moving = joints = 0
+        while link in above:
+            moving, joints = moving + (above[link].kind != "fixed"), joints + 1
+            link = above[link].parent
+        return moving, joints
+
+    ends = [link for link in urdf.links if all(joint.parent != link for joint in urdf.joints.values())]
+    longest = max(map(length, ends))
+    candidates = [link for link in ends if length(link) == longest]
+    others = f" (as long: {', '.join(candidates[:-1])})" if len(candidates) > 1 else ""
+    note = f"tool frame {candidates[-1]!r}: chosen as the last link of the longest chain{others}; pass tool= for another"
+    return candidates[-1], (note,)

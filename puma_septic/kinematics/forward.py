@@ -1,0 +1,201 @@
+"""Forward kinematics, Jacobian and the motion of the tool."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from puma_septic.checks import Array
+from puma_septic.errors import InputError
+from puma_septic.kinematics.chain import chain_to, checked_joint_values, cross, end_frame, frames
+from puma_septic.robot import Robot
+
+__all__ = ["ToolMotion", "forward_kinematics", "jacobian", "tool_motion"]
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class ToolMotion:
+    """How the tool moves, in world axes; each array has shape (3,) or (n, 3), like the joint values given.
+
+    Attributes
+    ----------
+    position, velocity, acceleration : ndarray
+        Of the tool's origin: m, m/s, m/s^2 (the classical acceleration of that point).
+    angular_velocity, angular_acceleration : ndarray
+        rad/s, rad/s^2.
+    """
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+    angular_velocity: Array
+    angular_acceleration: Array
+
+
+def forward_kinematics(robot: Robot, q: ArrayLike, *, frame: str | None = None) -> Array:
+    r"""Pose of the tool, or of another frame, in the world.
+
+    The chain product :math:`T = \prod_k P_k J_k(q_k) \cdot P_{end}` over the joints that carry the frame, with
+    constant placements :math:`P` and one rotation about, or shift along, each joint's axis.
+
+    Parameters
+    ----------
+    robot : Robot
+    q : array_like, shape (n_joints,) or (n, n_joints)
+        Joint positions in rad (m for prismatic joints).
+    frame : str, optional
+        Name of a frame of the model; the robot's tool by default.
+
+    Returns
+    -------
+    ndarray, shape (4, 4) or (n, 4, 4)
+        T_world_frame, lengths in m.
+
+    Raises
+    ------
+    InputError
+        For a wrong shape, a value that is not finite, or an unknown frame (the valid ones are listed).
+
+    Examples
+    --------
+    >>> import puma_septic as ps
+    >>> ps.forward_kinematics(ps.load_robot(), [0, 0, 0, 0, 0, 0], frame="wrist_center")[:3, 3].round(5)
+    array([ 0.4521 , -0.15005,  1.10363])
+    """
+    values = checked_joint_values(robot, "q", q)
+    columns = end_frame(chain_to(robot, frame), values.T)
+    pose = np.zeros((len(values), 4, 4))
+    pose[:, :3] = columns.transpose(2, 1, 0)
+    pose[:, 3, 3] = 1.0
+    return pose if np.ndim(q) == 2 else pose[0]
+
+
+def jacobian(robot: Robot, q: ArrayLike) -> Array:
+    r"""Jacobian of the tool: linear over angular velocity, in world axes, at the tool's origin.
+
+    Column k is :math:`[z_k \times (p - p_k);\ z_k]` for a revolute joint and :math:`[z_k;\ 0]` for a prismatic one;
+    a joint that does not carry the tool has a column of zeros. It is Pinocchio's ``LOCAL_WORLD_ALIGNED`` and the
+    Robotics Toolbox's ``jacob0``.
+
+    Parameters
+    ----------
+    robot : Robot
+    q : array_like, shape (n_joints,) or (n, n_joints)
+        Joint positions in rad (m for prismatic joints).
+
+    Returns
+    -------
+    ndarray, shape (6, n_joints) or (n, 6, n_joints)
+        m/rad over rad/rad (1 over 0 for prismatic joints).
+
+    Raises
+    ------
+    InputError
+        For a wrong shape or a value that is not finite.
+
+    Examples
+    --------
+    >>> import puma_septic as ps
+    >>> robot = ps.load_robot(tool="wrist_center")
+    >>> ps.jacobian(robot, [0, 0.7853981633974483, 3.141592653589793, 0, 0.7853981633974483, 0])[0].round(6)
+    array([0.15005 , 0.014354, 0.319683, 0.      , 0.      , 0.      ])
+    """
+    values = checked_joint_values(robot, "q", q)
+    columns = jacobian_columns(robot, values.T)
+    return columns if np.ndim(q) == 2 else columns[0]
+
+
+def jacobian_columns(robot: Robot, q: Array) -> Array:
+    """The Jacobian, shape (n, 6, n_joints), for joint values already checked, shape (n_joints, n)."""
+    chain = chain_to(robot)
+    columns = np.zeros((robot.n_joints, 6, q.shape[1]))
+    frame = np.zeros((4, 3, 1))
+    for column, frame in zip(chain.columns, frames(chain, q), strict=True):
+        columns[column, :3], columns[column, 3:] = frame[3], frame[2]
+    origin = np.tensordot(chain.end[:, 3], frame, axes=1)
+    for column, slides in zip(chain.columns, chain.prismatic, strict=True):
+        linear, axis = columns[column, :3], columns[column, 3:]
+        if slides:
+            linear[...], axis[...] = axis, 0.0
+        else:
+            linear[...] = cross(axis, origin - linear)
+    return np.ascontiguousarray(columns.transpose(2, 1, 0))
+
+
+def tool_motion(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> ToolMotion:
+    r"""Position, velocity and acceleration of the tool.
+
+    The outward recursion over the joints: with the lever r from one joint's origin to the next,
+
+    .. math:: \dot p \mathrel{+}= \omega \times r,\quad
+              \ddot p \mathrel{+}= \dot\omega \times r + \omega \times (\omega \times r)
+
+    and at a revolute joint :math:`\dot\omega \mathrel{+}= z a + \omega \times z v`, then
+    :math:`\omega \mathrel{+}= z v` (a prismatic one adds :math:`z a + 2 \omega \times z v` and :math:`z v` to the
+    motion of the origin).
+
+    Parameters
+    ----------
+    robot : Robot
+    q, v, a : array_like, shape (n_joints,) or (n, n_joints)
+        Joint positions, velocities and accelerations: rad, rad/s, rad/s^2 (m ... for prismatic joints).
+
+    Returns
+    -------
+    ToolMotion
+
+    Raises
+    ------
+    InputError
+        For shapes that are wrong or differ, or a value that is not finite.
+
+    Examples
+    --------
+    >>> import puma_septic as ps
+    >>> robot = ps.load_robot(tool="wrist_center")
+    >>> ps.tool_motion(robot, [0] * 6, [1, 0, 0, 0, 0, 0], [0] * 6).velocity.round(5)
+    array([0.15005, 0.4521 , 0.     ])
+    """
+    values = [checked_joint_values(robot, name, x).T for name, x in (("q", q), ("v", v), ("a", a))]
+    if not np.shape(q) == np.shape(v) == np.shape(a):
+        raise InputError(f"q, v, a: shapes {np.shape(q)}, {np.shape(v)}, {np.shape(a)} differ")
+    moved = [x.T if np.ndim(q) == 2 else x[:, 0] for x in _swept(robot, *values)]
+    position, velocity, acceleration, angular_velocity, angular_acceleration = moved
+    return ToolMotion(
+        position=position,
+        velocity=velocity,
+        acceleration=acceleration,
+        angular_velocity=angular_velocity,
+        angular_acceleration=angular_acceleration,
+    )
+
+
+def _swept(robot: Robot, q: Array, v: Array, a: Array) -> tuple[Array, Array, Array, Array, Array]:
+    """Position, velocity, acceleration, angular velocity and acceleration, each (3, n), by the recursion."""
+    chain = chain_to(robot)
+    origin, velocity, acceleration, omega, alpha = np.zeros((5, 3, q.shape[1]))
+
+    def carry(to: Array) -> None:
+        nonlocal origin, velocity, acceleration
+        lever = to - origin
+        turning = cross(omega, lever)
+        velocity = velocity + turning
+        acceleration = acceleration + cross(alpha, lever) + cross(omega, turning)
+        origin = to
+
+    frame = np.eye(4, 3)[:, :, None]
+    for column, slides, frame in zip(chain.columns, chain.prismatic, frames(chain, q), strict=True):
+        carry(frame[3].copy())
+        rate, change = frame[2] * v[column], frame[2] * a[column]
+        if slides:
+            acceleration = acceleration + change + 2.0 * cross(omega, rate)
+            velocity = velocity + rate
+        else:
+            alpha = alpha + change + cross(omega, rate)
+            omega = omega + rate
+    carry(np.tensordot(chain.end[:, 3], frame, axes=1) + np.zeros(q.shape[1]))
+    return origin, velocity, acceleration, omega, alpha

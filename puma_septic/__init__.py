@@ -19,23 +19,41 @@ _HOMES: Final = {
     "ModelError": "errors",
     "NoSolution": "errors",
     "Payload": "robot",
+    "Piecewise": "piecewise",
     "PumaSepticError": "errors",
     "Robot": "robot",
+    "Trajectory": "trajectory",
     "Wrench": "robot",
+    "forward_kinematics": "kinematics",
+    "jacobian": "kinematics",
+    "load_robot": "robot",
+    "lspb": "profiles",
+    "profiles": "profiles",
+    "quintic_segments": "profiles",
+    "septic": "profiles",
 }
 
 __all__ = ["__version__", *_HOMES]
 
 if TYPE_CHECKING:
+    from puma_septic import profiles as profiles
     from puma_septic.errors import InputError as InputError
     from puma_septic.errors import ModelError as ModelError
     from puma_septic.errors import NoSolution as NoSolution
     from puma_septic.errors import PumaSepticError as PumaSepticError
+    from puma_septic.kinematics import forward_kinematics as forward_kinematics
+    from puma_septic.kinematics import jacobian as jacobian
+    from puma_septic.piecewise import Piecewise as Piecewise
+    from puma_septic.profiles import lspb as lspb
+    from puma_septic.profiles import quintic_segments as quintic_segments
+    from puma_septic.profiles import septic as septic
     from puma_septic.robot import Actuator as Actuator
     from puma_septic.robot import Limits as Limits
     from puma_septic.robot import Payload as Payload
     from puma_septic.robot import Robot as Robot
     from puma_septic.robot import Wrench as Wrench
+    from puma_septic.robot import load_robot as load_robot
+    from puma_septic.trajectory import Trajectory as Trajectory
 else:  # hidden from the type checker, which would take every misspelt name for an attribute
 
     def __getattr__(name: str) -> object:

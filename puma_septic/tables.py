@@ -1,0 +1,102 @@
+"""Rows to text and HTML: strings only."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from html import escape
+
+from tabulate import tabulate
+
+from puma_septic.errors import InputError
+
+__all__ = ["Cell", "html_table", "number", "text_table"]
+
+Cell = str | int | float
+
+# How a reader is told that a demand has no bound and that a number is not known.
+_UNBOUNDED, _UNKNOWN = "unbounded", "unknown"
+# Outside these magnitudes the power of ten is written out.
+_PLAIN_FROM, _PLAIN_BELOW = 1e-4, 1e7
+
+
+def number(value: float, digits: int = 4) -> str:
+    """Write a number with at least so many significant digits, never cutting its integer part.
+
+    Examples
+    --------
+    >>> [number(value) for value in (0.5, 12345.6, -1.23456e-9, 0.0)]
+    ['0.5000', '12346', '-1.235e-09', '0']
+    >>> [number(float(value)) for value in ("inf", "-inf", "nan")]
+    ['unbounded', '-unbounded', 'unknown']
+    """
+    if math.isnan(value):
+        return _UNKNOWN
+    if math.isinf(value):
+        return _UNBOUNDED if value > 0 else f"-{_UNBOUNDED}"
+    if value == 0:
+        return "0"
+    scientific = f"{value:.{digits - 1}e}"
+    if not _PLAIN_FROM <= abs(value) < _PLAIN_BELOW:
+        return scientific
+    exponent = int(scientific.partition("e")[2])  # after rounding: 9.9996 is 10.00
+    return f"{value:.{max(0, digits - 1 - exponent)}f}"
+
+
+def text_table(headers: Sequence[str], rows: Sequence[Sequence[Cell]]) -> str:
+    """Lay out rows as plain text, columns of numbers to the right.
+
+    Floats are written by `number`; a string is left as it is.
+
+    Raises
+    ------
+    InputError
+        If a row has not one cell per header.
+
+    Examples
+    --------
+    >>> print(text_table(["joint", "peak [N m]"], [["elbow", 81.25], ["wrist", float("inf")]]))
+    joint      peak [N m]
+    -------  ------------
+    elbow           81.25
+    wrist       unbounded
+    """
+    return _table(headers, rows, "simple")
+
+
+def html_table(headers: Sequence[str], rows: Sequence[Sequence[Cell]], *, caption: str | None = None) -> str:
+    """Lay out rows as an HTML table, columns of numbers to the right; every string is escaped.
+
+    Raises
+    ------
+    InputError
+        If a row has not one cell per header.
+    """
+    table = _table(headers, rows, "html")
+    if caption is None:
+        return table
+    return table.replace("<table>", f"<table>\n<caption>{escape(caption)}</caption>", 1)
+
+
+def _table(headers: Sequence[str], rows: Sequence[Sequence[Cell]], layout: str) -> str:
+    for k, row in enumerate(rows):
+        if len(row) != len(headers):
+            raise InputError(f"row {k}: {len(row)} cells for {len(headers)} columns")
+    texts = [[_text(cell) for cell in row] for row in rows]
+    columns = zip(*texts, strict=True) if texts else ([] for _ in headers)
+    sides = ["right" if column and all(map(_is_number, column)) else "left" for column in columns]
+    return str(tabulate(texts, headers, tablefmt=layout, colalign=sides, disable_numparse=True))
+
+
+def _text(cell: Cell) -> str:
+    return number(cell) if isinstance(cell, float) else str(cell)
+
+
+def _is_number(text: str) -> bool:
+    if text.strip(" -") in ("", _UNBOUNDED, _UNKNOWN):
+        return True
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

@@ -17,6 +17,7 @@ _HOMES: Final = {
     "InputError": "errors",
     "Limits": "robot",
     "ModelError": "errors",
+    "Motion": "motion",
     "NoSolution": "errors",
     "Payload": "robot",
     "Piecewise": "piecewise",
@@ -24,25 +25,34 @@ _HOMES: Final = {
     "Robot": "robot",
     "Trajectory": "trajectory",
     "Wrench": "robot",
+    "compute_motion": "motion",
     "forward_kinematics": "kinematics",
+    "inverse_dynamics": "dynamics",
     "jacobian": "kinematics",
     "load_robot": "robot",
     "lspb": "profiles",
     "profiles": "profiles",
     "quintic_segments": "profiles",
     "septic": "profiles",
+    "tool_motion": "kinematics",
+    "torque_terms": "dynamics",
 }
 
 __all__ = ["__version__", *_HOMES]
 
 if TYPE_CHECKING:
     from puma_septic import profiles as profiles
+    from puma_septic.dynamics import inverse_dynamics as inverse_dynamics
+    from puma_septic.dynamics import torque_terms as torque_terms
     from puma_septic.errors import InputError as InputError
     from puma_septic.errors import ModelError as ModelError
     from puma_septic.errors import NoSolution as NoSolution
     from puma_septic.errors import PumaSepticError as PumaSepticError
     from puma_septic.kinematics import forward_kinematics as forward_kinematics
     from puma_septic.kinematics import jacobian as jacobian
+    from puma_septic.kinematics import tool_motion as tool_motion
+    from puma_septic.motion import Motion as Motion
+    from puma_septic.motion import compute_motion as compute_motion
     from puma_septic.piecewise import Piecewise as Piecewise
     from puma_septic.profiles import lspb as lspb
     from puma_septic.profiles import quintic_segments as quintic_segments

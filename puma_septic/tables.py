@@ -85,7 +85,10 @@ def _table(headers: Sequence[str], rows: Sequence[Sequence[Cell]], layout: str) 
     texts = [[_text(cell) for cell in row] for row in rows]
     columns = zip(*texts, strict=True) if texts else ([] for _ in headers)
     sides = ["right" if column and all(map(_is_number, column)) else "left" for column in columns]
-    return str(tabulate(texts, headers, tablefmt=layout, colalign=sides, disable_numparse=True))
+    # tabulate 0.9 knows no columns where there are no rows.
+    return str(
+        tabulate(texts, headers, tablefmt=layout, colalign=sides if rows else (), disable_numparse=True)
+    )
 
 
 def _text(cell: Cell) -> str:

@@ -138,11 +138,25 @@ class Trajectory:
         return Jumps(times=self.breaks[some], sizes=np.where(step, sizes, 0.0)[some])
 
     def unbounded(self, order: int) -> Array:
-        """Whether each joint's derivative of this order is unbounded, because a lower one steps, shape (n_joints,)."""
-        result = np.zeros(self.n_joints, dtype=bool)
+        """When each joint's derivative of this order is first unbounded, because a lower one steps; NaN where never.
+
+        Shape (n_joints,), s.
+        """
+        first = np.full(self.n_joints, np.nan)
         for lower in range(1, order):
-            result |= (self.jumps(lower).sizes != 0).any(axis=0)
-        return result
+            jumps = self.jumps(lower)
+            for time, size in zip(jumps.times[::-1], jumps.sizes[::-1], strict=True):
+                first[size != 0] = np.fmin(first, time)[size != 0]
+        return first
+
+    def peak(self, order: int) -> tuple[Array, Array]:
+        """Largest magnitude of a derivative and its instant, each of shape (n_joints,).
+
+        It is infinite where the derivative is unbounded, at the first instant at which it is.
+        """
+        extrema, unbounded = self.extrema(order), self.unbounded(order)
+        never = np.isnan(unbounded)
+        return np.where(never, extrema.peak, np.inf), np.where(never, extrema.t_peak, unbounded)
 
     def _jump_tolerance(self, order: int) -> Array:
         """Per joint: a part of the largest value, and no less than the rounding of the position makes of it."""

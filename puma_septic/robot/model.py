@@ -54,6 +54,8 @@ class Robot:
         At the joint, N m s/rad; 0 where unknown.
     coulomb_friction : ndarray, shape (n_joints, 2)
         At the joint, N m, for positive and negative velocity; 0 where unknown.
+    is_continuous, is_prismatic : ndarray of bool, shape (n_joints,)
+        Joints without position limits, and joints that slide (m and N instead of rad and N m).
     """
 
     name: str
@@ -74,7 +76,8 @@ class Robot:
     coulomb_friction: Array = field(init=False)
     _index_q: NDArray[np.int64] = field(init=False, repr=False)
     _index_v: NDArray[np.int64] = field(init=False, repr=False)
-    _continuous: NDArray[np.bool_] = field(init=False, repr=False)
+    is_continuous: NDArray[np.bool_] = field(init=False, repr=False)
+    is_prismatic: NDArray[np.bool_] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         self._check_consistent()
@@ -85,7 +88,8 @@ class Robot:
         derived = {
             "_index_q": np.array([joint.idx_q for joint in joints]),
             "_index_v": np.array([joint.idx_v for joint in joints]),
-            "_continuous": np.array([joint.nq == 2 for joint in joints]),
+            "is_continuous": np.array([joint.nq == 2 for joint in joints]),
+            "is_prismatic": np.array([joint.shortname().startswith("JointModelP") for joint in joints]),
             "armature": read_only(np.nan_to_num([actuator.armature for actuator in self.actuators])),
             "viscous_friction": read_only(np.nan_to_num(viscous)),
             "coulomb_friction": read_only(np.nan_to_num(coulomb)),
@@ -147,8 +151,8 @@ class Robot:
         """
         result = np.empty((len(q), self.model.nq))
         result[:, self._index_q] = q
-        if self._continuous.any():
-            index, angle = self._index_q[self._continuous], q[:, self._continuous]
+        if self.is_continuous.any():
+            index, angle = self._index_q[self.is_continuous], q[:, self.is_continuous]
             result[:, index], result[:, index + 1] = np.cos(angle), np.sin(angle)
         return result
 

@@ -1,0 +1,143 @@
+"""Demands held against limits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+
+from puma_septic.checks import Array
+from puma_septic.piecewise import Extrema
+from puma_septic.robot import Robot
+
+__all__ = ["QUANTITIES", "UNITS", "LimitCheck", "limit_checks", "unknown_values"]
+
+QUANTITIES: Final = ("position", "velocity", "acceleration", "jerk", "effort")
+UNITS: Final = {
+    "position": ("rad", "m"),
+    "velocity": ("rad/s", "m/s"),
+    "acceleration": ("rad/s^2", "m/s^2"),
+    "jerk": ("rad/s^3", "m/s^3"),
+    "effort": ("N m", "N"),
+}
+# What is at its limit to rounding does not violate it.
+_ROUNDING: Final = 1e-12
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class LimitCheck:
+    """One demand of one joint held against one limit.
+
+    Attributes
+    ----------
+    joint : str
+    quantity : str
+        "position", "velocity", "acceleration", "jerk" or "effort".
+    demand : float
+        The magnitude asked for, infinite where unbounded; for positions the extreme position.
+    limit : float
+        The magnitude allowed; for positions the bound nearest to being broken.
+    unit : str
+    time : float
+        Instant of the demand, s.
+    margin : float
+        ``1 - demand / limit``; for positions the distance to the bound in rad (or m). Negative where violated.
+    utilisation : float
+        ``demand / limit``; for positions the distance from the middle of the range over half the range.
+    """
+
+    joint: str
+    quantity: str
+    demand: float
+    limit: float
+    unit: str
+    time: float
+    margin: float
+    utilisation: float
+
+    @property
+    def is_violated(self) -> bool:
+        """Whether the demand exceeds the limit by more than rounding."""
+        return not self.margin >= -_ROUNDING
+
+    def __str__(self) -> str:
+        size = "unbounded" if np.isinf(self.demand) else f"{self.demand:.4g} {self.unit}"
+        what = f"{self.joint} {self.quantity} {size} at t = {self.time:.4g} s"
+        if self.quantity == "position":
+            side = "beyond" if self.is_violated else "from"
+            return f"{what} is {abs(self.margin):.4g} {self.unit} {side} its bound {self.limit:.4g} {self.unit}"
+        return f"{what} is {100 * self.utilisation:.4g} % of {self.limit:.4g} {self.unit}"
+
+
+def limit_checks(
+    robot: Robot, position: Extrema, demands: Mapping[str, tuple[Array, Array]]
+) -> tuple[LimitCheck, ...]:
+    """Every demand whose limit is known, joint by joint; `demands` maps a quantity to magnitudes and instants."""
+    checks = []
+    for j, joint in enumerate(robot.joint_names):
+        if not np.isnan(robot.limits.position[j]).any():
+            checks.append(_position_check(robot, j, position))
+        for quantity, (demand, time) in demands.items():
+            limit = float(getattr(robot.limits, quantity)[j])
+            if not np.isnan(limit):
+                utilisation = float(demand[j]) / limit
+                checks.append(
+                    LimitCheck(
+                        joint=joint,
+                        quantity=quantity,
+                        demand=float(demand[j]),
+                        limit=limit,
+                        unit=UNITS[quantity][int(robot.is_prismatic[j])],
+                        time=float(time[j]),
+                        margin=1 - utilisation,
+                        utilisation=utilisation,
+                    )
+                )
+    return tuple(checks)
+
+
+def _position_check(robot: Robot, j: int, position: Extrema) -> LimitCheck:
+    """The bound that a joint comes nearest to, or exceeds most."""
+    lower, upper = robot.limits.position[j]
+    below, above = position.min[j] - lower, upper - position.max[j]
+    at_lower = below < above
+    demand, time, limit = (
+        (position.min[j], position.t_min[j], lower) if at_lower else (position.max[j], position.t_max[j], upper)
+    )
+    return LimitCheck(
+        joint=robot.joint_names[j],
+        quantity="position",
+        demand=float(demand),
+        limit=float(limit),
+        unit=UNITS["position"][int(robot.is_prismatic[j])],
+        time=float(time),
+        margin=float(min(below, above)),
+        utilisation=float(abs(demand - (lower + upper) / 2) / ((upper - lower) / 2)),
+    )
+
+
+def unknown_values(robot: Robot) -> tuple[str, ...]:
+    """What cannot be assessed because it is not known, one line per quantity with the joints concerned."""
+    limits, actuators = robot.limits, robot.actuators
+    # A continuous joint has no position limit to know.
+    unknown = {
+        "position limit": np.isnan(limits.position).any(axis=1) & ~robot.is_continuous,
+        "velocity limit": np.isnan(limits.velocity),
+        "acceleration limit": np.isnan(limits.acceleration),
+        "jerk limit": np.isnan(limits.jerk),
+        "effort limit": np.isnan(limits.effort),
+        "rotor inertia (its torque is left out)": np.isnan([actuator.armature for actuator in actuators]),
+        "viscous friction (its torque is left out)": np.isnan([actuator.viscous_friction for actuator in actuators]),
+        "Coulomb friction (its torque is left out)": np.isnan(
+            [actuator.coulomb_friction for actuator in actuators]
+        ).any(axis=1),
+    }
+    lines = []
+    for what, mask in unknown.items():
+        if mask.any():
+            joints = [name for name, missing in zip(robot.joint_names, mask, strict=True) if missing]
+            lines.append(f"{what}: unknown for {'all joints' if mask.all() else ', '.join(joints)}")
+    return tuple(lines)

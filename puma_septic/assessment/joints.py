@@ -1,0 +1,115 @@
+"""What a motion demands of each joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypedDict, final
+
+import numpy as np
+
+from puma_septic.checks import Array
+from puma_septic.dynamics import inverse_dynamics, smooth_terms
+from puma_septic.motion import Motion
+from puma_septic.trajectory import Trajectory
+
+__all__ = ["JointMetrics", "PowerMetrics", "joint_metrics", "power_metrics"]
+
+
+class JointMetrics(TypedDict):
+    """Peaks, instants and root mean squares, each of shape (n_joints,); see `Assessment` for their meaning."""
+
+    peak_velocity: Array
+    peak_velocity_time: Array
+    peak_acceleration: Array
+    peak_acceleration_time: Array
+    peak_jerk: Array
+    peak_jerk_time: Array
+    peak_torque: Array
+    peak_torque_time: Array
+    peak_torque_sign: Array
+    rms_velocity: Array
+    rms_acceleration: Array
+    rms_jerk: Array
+    rms_torque: Array
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class PowerMetrics:
+    """Mechanical power and energy of each joint, shape (n_joints,); see `Assessment`."""
+
+    peak_power: Array
+    peak_regenerated_power: Array
+    energy_in: Array
+    energy_out: Array
+
+
+def joint_metrics(motion: Motion, dwell: float) -> JointMetrics:
+    """Peaks from extrema, root mean squares over motion and dwell; infinite where a lower derivative steps."""
+    trajectory = motion.trajectory
+    cycle = trajectory.duration + dwell
+    (v, t_v), (a, t_a), (j, t_j) = (trajectory.peak(order) for order in (1, 2, 3))
+    torque = motion.torque.extrema()
+    struck = struck_joints(motion)
+    square = motion.torque.inner(motion.torque)
+    if dwell:
+        square = square + holding_torque(motion) ** 2 * dwell
+    first_blow = trajectory.jumps(1).times[0] if struck.any() else 0.0
+    return JointMetrics(
+        peak_velocity=v,
+        peak_velocity_time=t_v,
+        peak_acceleration=a,
+        peak_acceleration_time=t_a,
+        peak_jerk=j,
+        peak_jerk_time=t_j,
+        peak_torque=np.where(struck, np.inf, torque.peak),
+        peak_torque_time=np.where(struck, first_blow, torque.t_peak),
+        peak_torque_sign=np.where(np.abs(torque.min) > np.abs(torque.max), -1.0, 1.0),
+        rms_velocity=_rms(trajectory, 1, v, cycle),
+        rms_acceleration=_rms(trajectory, 2, a, cycle),
+        rms_jerk=_rms(trajectory, 3, j, cycle),
+        rms_torque=np.where(struck, np.inf, np.sqrt(square / cycle)),
+    )
+
+
+def _rms(trajectory: Trajectory, order: int, peak: Array, cycle: float) -> Array:
+    derivative = trajectory.derivative(order)
+    return np.where(np.isinf(peak), np.inf, np.sqrt(derivative.inner(derivative) / cycle))
+
+
+def struck_joints(motion: Motion) -> Array:
+    """Joints whose torque is unbounded, shape (n_joints,).
+
+    A step dv of the velocity takes the impulse ``M(q) dv``; it acts on every joint that is coupled to one that steps.
+    """
+    jumps = motion.trajectory.jumps(1)
+    if not len(jumps.times):
+        return np.zeros(motion.robot.n_joints, dtype=bool)
+    q = motion.trajectory(jumps.times)
+    rest = np.zeros_like(q)
+    struck, still = (smooth_terms(motion.robot, q, rest, a) for a in (jumps.sizes, rest))
+    impulse = np.abs(sum(struck[name] - still[name] for name in ("inertia", "rotor", "payload")))
+    # A coupling below the rounding of the largest impulse is none.
+    return np.asarray((impulse > 1e-12 * impulse.max()).any(axis=0))
+
+
+def holding_torque(motion: Motion) -> Array:
+    """Torque at rest at the end, without static friction: what a dwell without a brake takes, shape (n_joints,)."""
+    q = motion.trajectory(motion.trajectory.breaks[-1])
+    rest = np.zeros_like(q)
+    return inverse_dynamics(motion.robot, q, rest, rest)
+
+
+def power_metrics(motion: Motion) -> PowerMetrics:
+    """Peaks of the power, and its integral over the parts where it is positive and where it is negative."""
+    power = motion.power
+    extrema = power.extrema()
+    power = power.split(np.concatenate(power.roots()))
+    work = np.diff(power.integral()(power.breaks), axis=0)
+    struck = struck_joints(motion)
+    return PowerMetrics(
+        peak_power=np.where(struck, np.inf, np.maximum(extrema.max, 0.0)),
+        peak_regenerated_power=np.where(struck, np.inf, np.maximum(-extrema.min, 0.0)),
+        energy_in=np.maximum(work, 0.0).sum(axis=0),
+        energy_out=np.maximum(-work, 0.0).sum(axis=0),
+    )

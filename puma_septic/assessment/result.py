@@ -1,0 +1,213 @@
+"""Assessment: a motion, what it demands, and what its limits say to that."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, final
+
+import numpy as np
+
+from puma_septic.assessment.checks import QUANTITIES, LimitCheck, limit_checks, unknown_values
+from puma_septic.assessment.joints import PowerMetrics, joint_metrics, power_metrics
+from puma_septic.assessment.texts import assessment_document, assessment_text
+from puma_septic.assessment.tool import ToolMetrics, tool_metrics
+from puma_septic.checks import Array, checked_number
+from puma_septic.errors import InputError
+from puma_septic.motion import Motion, compute_motion
+from puma_septic.piecewise import Extrema
+from puma_septic.robot import Robot
+from puma_septic.trajectory import Trajectory
+
+__all__ = ["Assessment", "assess"]
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Assessment:
+    """A motion held against the limits of its robot; made by `assess`.
+
+    Each array has the shape (n_joints,), in the order of ``motion.robot.joint_names``. Power, tool and checks are
+    computed when first asked for and kept; the value itself never changes (the cache needs a ``__dict__``, hence no
+    slots).
+
+    Attributes
+    ----------
+    motion : Motion
+    dwell : float
+        Rest at the last point, without brake, before the cycle repeats, s.
+    peak_velocity, peak_acceleration, peak_jerk : ndarray
+        Largest magnitudes in rad/s ... (m/s ... for prismatic joints); infinite where a lower derivative steps.
+    peak_velocity_time, peak_acceleration_time, peak_jerk_time : ndarray
+        Their instants, s.
+    peak_torque, peak_torque_time, peak_torque_sign : ndarray
+        Largest magnitude of the actuator torque at the joint in N m (N), its instant and its sign.
+    rms_velocity, rms_acceleration, rms_jerk : ndarray
+        Root mean squares over motion and dwell.
+    rms_torque : ndarray
+        Root mean square over motion and dwell; the dwell takes the holding torque, without static friction.
+    """
+
+    motion: Motion
+    dwell: float
+    peak_velocity: Array
+    peak_velocity_time: Array
+    peak_acceleration: Array
+    peak_acceleration_time: Array
+    peak_jerk: Array
+    peak_jerk_time: Array
+    peak_torque: Array
+    peak_torque_time: Array
+    peak_torque_sign: Array
+    rms_velocity: Array
+    rms_acceleration: Array
+    rms_jerk: Array
+    rms_torque: Array
+
+    @cached_property
+    def position(self) -> Extrema:
+        """Least and greatest position of each joint and their instants."""
+        return self.motion.trajectory.extrema(0)
+
+    @property
+    def overshoot(self) -> Array:
+        """Largest excess beyond the hull of the via points, rad (m)."""
+        return self.motion.trajectory.overshoot
+
+    @cached_property
+    def tool(self) -> ToolMetrics:
+        """Speed, acceleration and height of the tool, and singular postures."""
+        return tool_metrics(self.motion)
+
+    @cached_property
+    def _power(self) -> PowerMetrics:
+        return power_metrics(self.motion)
+
+    @property
+    def peak_power(self) -> Array:
+        """Largest mechanical power that the actuator delivers, W."""
+        return self._power.peak_power
+
+    @property
+    def peak_regenerated_power(self) -> Array:
+        """Largest mechanical power that flows back into the actuator, W, as a magnitude."""
+        return self._power.peak_regenerated_power
+
+    @property
+    def energy_in(self) -> Array:
+        """Work that the actuator does, the integral of its positive power, J."""
+        return self._power.energy_in
+
+    @property
+    def energy_out(self) -> Array:
+        """Work that is done on the actuator, the integral of its negative power as a magnitude, J."""
+        return self._power.energy_out
+
+    @cached_property
+    def checks(self) -> tuple[LimitCheck, ...]:
+        """Every known limit held against its demand, joint by joint."""
+        demands = {
+            "velocity": (self.peak_velocity, self.peak_velocity_time),
+            "acceleration": (self.peak_acceleration, self.peak_acceleration_time),
+            "jerk": (self.peak_jerk, self.peak_jerk_time),
+            "effort": (self.peak_torque, self.peak_torque_time),
+        }
+        return limit_checks(self.motion.robot, self.position, demands)
+
+    @property
+    def violations(self) -> tuple[LimitCheck, ...]:
+        """The limits that are broken, the worst first."""
+        broken = [check for check in self.checks if check.is_violated]
+        return tuple(sorted(broken, key=lambda check: -check.utilisation))
+
+    @property
+    def worst(self) -> LimitCheck | None:
+        """The governing limit: the one used most, broken or not; None where no limit is known at all."""
+        return max(self.checks, key=lambda check: check.utilisation, default=None)
+
+    @property
+    def is_feasible(self) -> bool:
+        """Whether no known limit is broken and no unbounded torque is needed (as a step in velocity would)."""
+        return not self.violations and bool(np.isfinite(self.peak_acceleration).all())
+
+    @property
+    def not_assessed(self) -> tuple[str, ...]:
+        """What is not known of the robot, with the joints concerned; it never makes a motion infeasible."""
+        return unknown_values(self.motion.robot)
+
+    @property
+    def margins(self) -> dict[str, Array]:
+        """``1 - demand / limit`` by quantity; for positions the distance in rad to the nearest bound.
+
+        Shape (n_joints,) each; NaN where the limit is not known.
+        """
+        names = self.motion.robot.joint_names
+        result = {quantity: np.full(len(names), np.nan) for quantity in QUANTITIES}
+        for check in self.checks:
+            result[check.quantity][names.index(check.joint)] = check.margin
+        return result
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What a reader must know to read the numbers right."""
+        return (*self.motion.robot.notes, *_static_friction_remarks(self))
+
+    def to_dict(self) -> dict[str, Any]:
+        """A JSON-ready document; numbers in SI units, "unbounded" for infinity, null for what is not known."""
+        return assessment_document(self)
+
+    def __str__(self) -> str:
+        return assessment_text(self)
+
+
+def assess(what: Motion | Robot, trajectory: Trajectory | None = None, *, dwell: float = 0.0) -> Assessment:
+    """Hold a motion against the limits of its robot.
+
+    Parameters
+    ----------
+    what : Motion or Robot
+        A motion from `compute_motion`, or a robot together with a trajectory.
+    trajectory : Trajectory, optional
+        Only with a robot.
+    dwell : float
+        Rest at the last point before the cycle repeats, s; it counts in the root mean squares.
+
+    Returns
+    -------
+    Assessment
+        A violated limit is part of the answer, not an error.
+
+    Raises
+    ------
+    InputError
+        For a negative dwell, or a trajectory that is missing or not the robot's.
+
+    Examples
+    --------
+    >>> import puma_septic as ps
+    >>> move = ps.quintic_segments([[0.0] * 6, [0.5] * 6], [0.0, 2.0])
+    >>> result = ps.assess(ps.load_robot(), move)
+    >>> result.is_feasible, result.worst.joint
+    (True, 'joint1')
+    """
+    if isinstance(what, Motion) == (trajectory is not None):
+        raise InputError("assess takes either a motion, or a robot and a trajectory")
+    motion = what if isinstance(what, Motion) else compute_motion(what, trajectory)
+    dwell = checked_number("dwell", dwell, unit="s", at_least=0.0)
+    return Assessment(motion=motion, dwell=dwell, **joint_metrics(motion, dwell))
+
+
+def _static_friction_remarks(assessment: Assessment) -> tuple[str, ...]:
+    """Joints that rest for a while, where static friction may carry any torque within its band."""
+    robot, still = assessment.motion.robot, assessment.motion.still
+    resting = still.any(axis=0) | (assessment.dwell > 0)
+    bands = [
+        f"{name} [{negative:.3g}, {positive:.3g}]"
+        for name, rests, (positive, negative) in zip(robot.joint_names, resting, robot.coulomb_friction, strict=True)
+        if rests and (positive or negative)
+    ]
+    if not bands:
+        return ()
+    return (
+        "at rest, static friction may carry any torque within its band (N m), taken as 0 here: " + ", ".join(bands),
+    )

@@ -1,0 +1,151 @@
+"""Motion: a robot carrying its load along a trajectory, with torque and power as functions of time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from puma_septic.checks import Array
+from puma_septic.dynamics import TorqueTerms, check_inertia, coulomb_torque, smooth_terms, smooth_torque
+from puma_septic.errors import InputError
+from puma_septic.piecewise import Piecewise
+from puma_septic.robot import Robot
+from puma_septic.trajectory import Trajectory
+
+__all__ = ["Motion", "compute_motion"]
+
+# A joint that travels less than this, relative to its position (at least 1 rad), over an interval is still there:
+# some thousand roundings, far below what any encoder resolves.
+_STILL = 1e-12
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Motion:
+    """A robot on a trajectory.
+
+    Attributes
+    ----------
+    robot : Robot
+    trajectory : Trajectory
+    torque : Piecewise
+        Joint-side actuator torque in N m (N for prismatic joints). It steps where a joint reverses or comes to rest, by
+        the Coulomb friction. While a joint is at rest its Coulomb term is 0: static friction is indeterminate.
+    still : ndarray of bool, shape (n_intervals, n_joints)
+        Whether each joint is at rest throughout each interval of ``torque.breaks``.
+    n_evaluations : int
+        How many samples of the rigid-body dynamics were computed.
+    """
+
+    robot: Robot
+    trajectory: Trajectory
+    torque: Piecewise
+    still: Array
+    n_evaluations: int
+
+    @property
+    def power(self) -> Piecewise:
+        """Mechanical joint power ``torque * velocity`` in W, positive where the actuator drives."""
+        return self.torque * self.trajectory.derivative(1)
+
+    @property
+    def torque_terms(self) -> TorqueTerms[Piecewise]:
+        """The torque by cause, each a Piecewise; they sum to `torque`."""
+        return _split_torque(self)
+
+
+def compute_motion(robot: Robot, trajectory: Trajectory) -> Motion:
+    """Torque and power of a robot along a trajectory, exactly.
+
+    The smooth part of the torque (rigid body, rotors, viscous friction, payload, wrench) is fitted by Chebyshev series
+    between the trajectory's breaks, to 1e-11 of each joint's largest value; Coulomb friction is a step function that
+    changes where the joint's velocity changes sign.
+
+    Parameters
+    ----------
+    robot : Robot
+    trajectory : Trajectory
+        With as many joints as the robot has, in the robot's order.
+
+    Raises
+    ------
+    InputError
+        If the joints do not match.
+    ModelError
+        If the robot description lacks inertia.
+
+    Examples
+    --------
+    >>> import puma_septic as ps
+    >>> robot = ps.load_robot()
+    >>> move = ps.quintic_segments([[0.0] * 6, [0.5] * 6], [0.0, 2.0])
+    >>> motion = ps.compute_motion(robot, move)
+    >>> motion.torque(1.0).shape
+    (6,)
+    """
+    _check_joints(robot, trajectory)
+    check_inertia(robot)
+    n = robot.n_joints
+    state = Piecewise.concatenate([trajectory.derivative(order) for order in range(3)])
+    n_evaluations = 0
+
+    def torque_at(t: Array) -> Array:
+        nonlocal n_evaluations
+        n_evaluations += len(t)
+        q_v_a = state(t)
+        return smooth_torque(robot, q_v_a[:, :n], q_v_a[:, n : 2 * n], q_v_a[:, 2 * n :])
+
+    smooth = Piecewise.fit(torque_at, trajectory.breaks)
+    velocity = _moving_velocity(trajectory)
+    smooth = smooth.split(np.concatenate(velocity.roots()))
+    sign = np.sign(velocity((smooth.breaks[:-1] + smooth.breaks[1:]) / 2))
+    coulomb = Piecewise(breaks=smooth.breaks, coefficients=coulomb_torque(robot, sign)[None])
+    return Motion(
+        robot=robot, trajectory=trajectory, torque=smooth + coulomb, still=sign == 0, n_evaluations=n_evaluations
+    )
+
+
+def _check_joints(robot: Robot, trajectory: Trajectory) -> None:
+    if trajectory.n_joints != robot.n_joints:
+        raise InputError(
+            f"the trajectory has {trajectory.n_joints} joints, robot {robot.name!r} has {robot.n_joints}:"
+            f" {', '.join(robot.joint_names)}"
+        )
+    if trajectory.joint_names and trajectory.joint_names != robot.joint_names:
+        raise InputError(
+            f"the trajectory's joints {', '.join(trajectory.joint_names)} are not robot {robot.name!r}'s"
+            f" {', '.join(robot.joint_names)}, in this order"
+        )
+
+
+def _moving_velocity(trajectory: Trajectory) -> Piecewise:
+    """Velocity, exactly zero on intervals over which a joint moves by no more than rounding."""
+    velocity, position = trajectory.derivative(1), trajectory.derivative(0)
+    travel = np.abs(velocity.coefficients).sum(axis=0) * np.diff(velocity.breaks)[:, None]
+    reach = np.maximum(1.0, np.abs(position.coefficients).sum(axis=0).max(axis=0))
+    still = travel <= _STILL * reach
+    if not still.any():
+        return velocity
+    return Piecewise(breaks=velocity.breaks, coefficients=np.where(still, 0.0, velocity.coefficients))
+
+
+def _split_torque(motion: Motion) -> TorqueTerms[Piecewise]:
+    """Each term fitted on its own; the Coulomb term as the motion has it."""
+    robot, trajectory, n = motion.robot, motion.trajectory, motion.robot.n_joints
+
+    def terms_at(t: Array) -> Array:
+        q, v, a = (trajectory(t, order) for order in range(3))
+        return np.concatenate(list(smooth_terms(robot, q, v, a).values()), axis=1)
+
+    fitted = Piecewise.fit(terms_at, trajectory.breaks)
+    names = list(smooth_terms(robot, *np.zeros((3, 1, n))))
+    parts = {
+        name: Piecewise(breaks=fitted.breaks, coefficients=fitted.coefficients[:, :, k * n : (k + 1) * n])
+        for k, name in enumerate(names)
+    }
+    middles = (motion.torque.breaks[:-1] + motion.torque.breaks[1:]) / 2
+    sign = np.where(motion.still, 0.0, np.sign(trajectory(middles, 1)))
+    parts["coulomb"] = Piecewise(breaks=motion.torque.breaks, coefficients=coulomb_torque(robot, sign)[None])
+    return TorqueTerms(**parts)

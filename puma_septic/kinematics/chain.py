@@ -6,7 +6,7 @@ coordinates for n configurations. One joint then costs one small matrix product 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, final
@@ -77,38 +77,51 @@ def chain_to(robot: Robot, frame: str | None = None) -> Chain:
     )
 
 
-def frames(chain: Chain, q: Array) -> Iterator[Array]:
-    """Yield the frame after each joint, shape (4, 3, n), for joint values of shape (n_joints, n).
+def frames(chain: Chain, q: Sequence[Array] | Array) -> Iterator[Array]:
+    """Yield the frame after each joint, shape (4, 3, ...), for one array of values per joint of the robot.
 
-    A yielded array holds until the next one is asked for: two buffers take turns, because fresh memory for every
-    joint costs more than the arithmetic.
+    The arrays broadcast against each other: what several configurations share, such as the first joints of a tree of
+    branches, is computed once. A yielded frame holds until the next one is asked for: two buffers take turns, because
+    fresh memory for every joint costs more than the arithmetic.
     """
-    values = np.ascontiguousarray(q[chain.columns])
-    cosines, sines = np.cos(values), np.sin(values)
-    frame, spare = np.empty((2, 4, 3, q.shape[1]))
-    old_x, part = np.empty((2, 3, q.shape[1]))
-    frame[...] = np.eye(4, 3)[:, :, None]
-    for k, placement in enumerate(chain.placements):
+    shape = (1,) * np.ndim(q[0])
+    frame = np.eye(4, 3).reshape(4, 3, *shape)
+    spare = np.empty_like(frame)
+    for placement, column, slides in zip(chain.placements, chain.columns, chain.prismatic, strict=True):
+        value = np.ascontiguousarray(q[column])
         np.matmul(placement.T, frame.reshape(4, -1), out=spare.reshape(4, -1))
         frame, spare = spare, frame
-        x, y, z, p = frame
-        if chain.prismatic[k]:
-            p += np.multiply(z, values[k], out=part)
-        else:
-            old_x[...] = x
-            x *= cosines[k]
-            x += np.multiply(y, sines[k], out=part)
-            y *= cosines[k]
-            y -= np.multiply(old_x, sines[k], out=part)
+        if frame.shape[2:] != value.shape:
+            shape = np.broadcast_shapes(frame.shape[2:], value.shape)
+            if frame.shape[2:] != shape:
+                frame = np.broadcast_to(frame, (4, 3, *shape)).copy()
+                spare = np.empty_like(frame)
+        _move(frame, value, slides)
         yield frame
 
 
-def end_frame(chain: Chain, q: Array) -> Array:
-    """Return the chain's frame, shape (4, 3, n), for joint values of shape (n_joints, n)."""
-    frame = np.broadcast_to(np.eye(4, 3)[:, :, None], (4, 3, q.shape[1]))
+def _move(frame: Array, value: Array, slides: bool) -> None:
+    """Turn a frame about its z axis, or shift it along, in place."""
+    x, y, z, p = frame
+    if slides:
+        p += z * value
+        return
+    c, s = np.cos(value), np.sin(value)
+    from_x, from_y = x * s, y * s
+    x *= c
+    x += from_y
+    y *= c
+    y -= from_x
+
+
+def end_frame(chain: Chain, q: Sequence[Array] | Array) -> Array:
+    """Return the chain's frame, shape (4, 3, ...), for one array of values per joint of the robot."""
+    shape = np.broadcast_shapes(*(np.shape(value) for value in q))
+    frame = np.eye(4, 3).reshape(4, 3, *(1,) * len(shape))
     for frame in frames(chain, q):  # noqa: B007 - only the last one matters
         pass
-    return (chain.end.T @ frame.reshape(4, -1)).reshape(frame.shape)
+    moved: Array = (chain.end.T @ frame.reshape(4, -1)).reshape(frame.shape)
+    return moved if moved.shape[2:] == shape else np.broadcast_to(moved, (4, 3, *shape))
 
 
 def cross(a: Array, b: Array) -> Array:

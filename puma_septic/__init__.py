@@ -14,6 +14,7 @@ __version__ = "0.1.0"
 # A public name has one line here, for the interpreter, and one below, for the type checker.
 _HOMES: Final = {
     "Actuator": "robot",
+    "Assessment": "assessment",
     "InputError": "errors",
     "Limits": "robot",
     "ModelError": "errors",
@@ -25,6 +26,7 @@ _HOMES: Final = {
     "Robot": "robot",
     "Trajectory": "trajectory",
     "Wrench": "robot",
+    "assess": "assessment",
     "compute_motion": "motion",
     "forward_kinematics": "kinematics",
     "inverse_dynamics": "dynamics",
@@ -42,6 +44,8 @@ __all__ = ["__version__", *_HOMES]
 
 if TYPE_CHECKING:
     from puma_septic import profiles as profiles
+    from puma_septic.assessment import Assessment as Assessment
+    from puma_septic.assessment import assess as assess
     from puma_septic.dynamics import inverse_dynamics as inverse_dynamics
     from puma_septic.dynamics import torque_terms as torque_terms
     from puma_septic.errors import InputError as InputError

@@ -1,0 +1,128 @@
+"""For test suites: fail when a motion does not keep its limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import inf, isfinite, nan
+
+import numpy as np
+
+from puma_septic.assessment import Assessment, LimitCheck
+from puma_septic.assessment.checks import QUANTITIES, UNITS
+from puma_septic.checks import checked_choice, checked_number
+from puma_septic.errors import InputError
+from puma_septic.tables import number, text_table
+
+__all__ = ["assert_feasible"]
+
+# 80 % of a limit keeps a margin of 20 %, although 1 - 0.8 < 0.2 in floating point.
+_ROUNDING = 1e-12
+
+
+def assert_feasible(
+    assessment: Assessment, margin: float = 0.0, *, ignore: Iterable[str | tuple[str, str]] = ()
+) -> None:
+    """Fail unless every known limit is kept, with something to spare.
+
+    Velocity, acceleration, jerk and effort must stay below ``(1 - margin) * limit``. A position must stay
+    within its bounds, whatever the margin: its distance to a bound is an angle, not a share of anything.
+    A limit that is not known cannot fail, unless the acceleration is unbounded; the message lists it.
+
+    Parameters
+    ----------
+    assessment : Assessment
+    margin : float
+        Share of each limit that must be left, from 0 to 1.
+    ignore : iterable of str or (str, str)
+        What may fail: a joint's name (all its limits), a quantity of all joints ("position", "velocity",
+        "acceleration", "jerk", "effort"), or a pair (joint, quantity).
+
+    Raises
+    ------
+    AssertionError
+        With a table of the limits that are not kept: joint, quantity, demand, limit, instant and margin.
+    InputError
+        For a margin outside [0, 1], or a name in `ignore` that is neither a joint nor a quantity.
+
+    Examples
+    --------
+    >>> import puma_septic as ps
+    >>> from puma_septic.testing import assert_feasible
+    >>> move = ps.quintic_segments([[0.0] * 6, [0.5] * 6], [0.0, 2.0])
+    >>> assert_feasible(ps.assess(ps.load_robot(), move), margin=0.2)
+    """
+    __tracebackhide__ = True  # pytest then points at the caller's line
+    least = checked_number("margin", margin, at_least=0.0, at_most=1.0)
+    ignored = _ignored(assessment, ignore)
+    failed = [
+        check
+        for check in (*assessment.checks, *_unbounded(assessment))
+        if not _is_kept(check, least) and ignored.isdisjoint(_names(check))
+    ]
+    if failed:
+        raise AssertionError(_message(assessment, failed, least))
+
+
+def _unbounded(assessment: Assessment) -> list[LimitCheck]:
+    """Infinite accelerations, which no arm can follow, of joints whose limit is not known."""
+    robot = assessment.motion.robot
+    unlimited = np.isinf(assessment.peak_acceleration) & np.isnan(robot.limits.acceleration)
+    return [
+        LimitCheck(
+            joint=robot.joint_names[j],
+            quantity="acceleration",
+            demand=inf,
+            limit=nan,
+            unit=UNITS["acceleration"][int(robot.is_prismatic[j])],
+            time=float(assessment.peak_acceleration_time[j]),
+            margin=-inf,
+            utilisation=inf,
+        )
+        for j in np.flatnonzero(unlimited)
+    ]
+
+
+def _names(check: LimitCheck) -> set[str | tuple[str, str]]:
+    """What a check can be ignored by."""
+    return {check.joint, check.quantity, (check.joint, check.quantity)}
+
+
+def _ignored(assessment: Assessment, ignore: Iterable[str | tuple[str, str]]) -> set[str | tuple[str, str]]:
+    """Refuse misspelt names: the test would not fail for the reason that its author sees."""
+    if isinstance(ignore, str):
+        raise InputError(f"ignore: expected a list of names, got the text {ignore!r}; write [{ignore!r}]")
+    names = set(ignore)
+    joints = assessment.motion.robot.joint_names
+    for name in names:
+        if isinstance(name, str):
+            checked_choice("joint or quantity in ignore", name, [*joints, *QUANTITIES])
+        else:
+            joint, quantity = name
+            checked_choice("joint in ignore", joint, joints)
+            checked_choice("quantity in ignore", quantity, QUANTITIES)
+    return names
+
+
+def _is_kept(check: LimitCheck, margin: float) -> bool:
+    if check.quantity == "position":
+        return not check.is_violated
+    return check.margin >= margin - _ROUNDING
+
+
+def _message(assessment: Assessment, failed: list[LimitCheck], margin: float) -> str:
+    spare = f" with {100 * margin:g} % to spare" if margin else ""
+    subject = "1 limit is" if len(failed) == 1 else f"{len(failed)} limits are"
+    headers = ["joint", "quantity", "demand", "limit", "unit", "t [s]", "margin"]
+    rows = [
+        [check.joint, check.quantity, check.demand, check.limit, check.unit, check.time, _margin(check)]
+        for check in failed
+    ]
+    lines = [f"{subject} not kept{spare}:", text_table(headers, rows)]
+    lines += [f"not assessed: {line}" for line in assessment.not_assessed]
+    return "\n".join(lines)
+
+
+def _margin(check: LimitCheck) -> str:
+    if check.quantity == "position":
+        return f"{number(check.margin)} {check.unit}"
+    return f"{100 * check.margin:.1f} %" if isfinite(check.margin) else "none"

@@ -11,7 +11,7 @@ from puma_septic.assessment import Assessment, LimitCheck
 from puma_septic.assessment.checks import QUANTITIES, UNITS
 from puma_septic.checks import checked_choice, checked_number
 from puma_septic.errors import InputError
-from puma_septic.tables import number, text_table
+from puma_septic.tables import Cell, number, text_table
 
 __all__ = ["assert_feasible"]
 
@@ -113,7 +113,7 @@ def _message(assessment: Assessment, failed: list[LimitCheck], margin: float) ->
     spare = f" with {100 * margin:g} % to spare" if margin else ""
     subject = "1 limit is" if len(failed) == 1 else f"{len(failed)} limits are"
     headers = ["joint", "quantity", "demand", "limit", "unit", "t [s]", "margin"]
-    rows = [
+    rows: list[list[Cell]] = [
         [check.joint, check.quantity, check.demand, check.limit, check.unit, check.time, _margin(check)]
         for check in failed
     ]

@@ -19,7 +19,7 @@ from puma_septic.robot.values import Actuator, Limits
 __all__ = ["ActuatorFile", "ParameterSet", "read_actuator_file"]
 
 MAX_BYTES = 64_000
-# A dotted key of 10,000 parts (20 KB) costs tomllib 0.7 s and 396 MB (measured, CPython 3.11): more than 16 are refused.
+# A dotted key of 10,000 parts (20 KB) costs tomllib 0.7 s and 396 MB (measured, CPython 3.11): 16 at most.
 DEEP_KEY = re.compile(r"(?:[^\s.=,\[\]{}#]{1,100}[ \t]*\.[ \t]*){16}")
 QUANTITIES = ("velocity", "acceleration", "jerk", "effort")
 DRIVE_KEYS = ("gear_ratio", "rotor_inertia", "armature", "viscous_friction", "coulomb_friction")
@@ -71,7 +71,9 @@ class ActuatorFile:
         ModelError
             For a joint that the set lacks or that the arm does not have, or a value that is none.
         """
-        chosen = checked_choice(f"parameters of {self.path.name}", name or self.default_parameters, self.parameters)
+        chosen = checked_choice(
+            f"parameters of {self.path.name}", name or self.default_parameters, self.parameters
+        )
         where = f"{self.path}, [parameters.{chosen}]"
         data = _table(self.parameters[chosen], where, ("source", "note", "joints", "links", "origins"))
         source = _text(data, "source", where)
@@ -79,11 +81,15 @@ class ActuatorFile:
         drives = _table(data.get("joints", {}), f"{where} joints", joint_names, kind="joint")
         for joint in joint_names:
             if joint not in drives:
-                raise ModelError(f"{where}: joint {joint!r} of the URDF has no entry; given: {', '.join(drives) or 'none'}")
+                raise ModelError(
+                    f"{where}: joint {joint!r} of the URDF has no entry; given: {', '.join(drives) or 'none'}"
+                )
         return ParameterSet(
             name=chosen,
             notes=(f"parameters {chosen!r}: {source}", *([note] if note else [])),
-            actuators={joint: _actuator(drives[joint], f"{where} joint {joint!r}", source) for joint in joint_names},
+            actuators={
+                joint: _actuator(drives[joint], f"{where} joint {joint!r}", source) for joint in joint_names
+            },
             link_coms=_vectors(data.get("links", {}), "com", f"{where} links"),
             joint_origins=_vectors(data.get("origins", {}), "xyz", f"{where} origins"),
         )
@@ -104,9 +110,13 @@ class ActuatorFile:
             given = _table(data.get(key, {}), f"{where} {key}", joint_names, kind="joint")
             for joint, value in given.items():
                 if key == "position":
-                    position[joint_names.index(joint)] = _numbers(value, f"{where} position of joint {joint!r}", (2,))
+                    position[joint_names.index(joint)] = _numbers(
+                        value, f"{where} position of joint {joint!r}", (2,)
+                    )
                 else:
-                    values[key][joint_names.index(joint)] = _numbers(value, f"{where} {key} of joint {joint!r}", ())
+                    values[key][joint_names.index(joint)] = _numbers(
+                        value, f"{where} {key} of joint {joint!r}", ()
+                    )
         try:
             return Limits(position=position, source=f"{chosen}: {_text(data, 'source', where)}", **values)
         except InputError as error:
@@ -161,7 +171,9 @@ def _actuator(value: object, where: str, source: str) -> Actuator:
     if "gear_ratio" not in data:
         raise ModelError(f"{where}: gear_ratio is missing")
     if ("rotor_inertia" in data) == ("armature" in data):
-        raise ModelError(f"{where}: exactly one of rotor_inertia (motor side) and armature (joint side) must be given")
+        raise ModelError(
+            f"{where}: exactly one of rotor_inertia (motor side) and armature (joint side) must be given"
+        )
     ratio = float(_numbers(data["gear_ratio"], f"{where} gear_ratio", ()))
     if ratio == 0.0:
         raise ModelError(f"{where}: gear_ratio = 0: the ratio of motor speed to joint speed cannot be zero")
@@ -182,7 +194,9 @@ def _actuator(value: object, where: str, source: str) -> Actuator:
         raise ModelError(f"{where}: {error}") from error
 
 
-def _table(value: object, where: str, keys: Sequence[str] | None = None, *, kind: str = "key") -> dict[str, Any]:
+def _table(
+    value: object, where: str, keys: Sequence[str] | None = None, *, kind: str = "key"
+) -> dict[str, Any]:
     """A TOML table that has none but these keys."""
     if not isinstance(value, dict):
         raise ModelError(f"{where}: expected a table, got {value!r}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,9 @@ from puma_septic.errors import InputError, ModelError
 from puma_septic.robot.actuator_file import ActuatorFile, ParameterSet, read_actuator_file
 from puma_septic.robot.meshes import confined_geometry
 from puma_septic.robot.model import Robot
+from puma_septic.robot.model_checks import check_complete, check_inertia, massless_notes
 from puma_septic.robot.urdf_checks import Urdf, checked_urdf
+from puma_septic.robot.urdf_schema import vector
 from puma_septic.robot.urdf_text import read_urdf
 from puma_septic.robot.values import Actuator, Limits
 
@@ -37,25 +40,25 @@ def load_robot(
 ) -> Robot:
     """Load the built-in PUMA 560, or any URDF with an optional actuator file.
 
-    The URDF is checked before Pinocchio reads it, because Pinocchio drops an inertia with a misspelt number, loses a
-    joint in a closed loop and takes a misspelt origin for zero without a word.
+    The URDF is checked before Pinocchio reads it, because Pinocchio drops an inertia with a misspelt number,
+    loses a joint in a closed loop and takes a misspelt origin for zero without a word.
 
     Parameters
     ----------
     source : str or Path
         "puma560" or the path of a .urdf file.
     parameters, limits : str, optional
-        Named sets of the actuator file; its defaults otherwise. PUMA: parameters "rtb" or "akb", limits "corke", "akb"
-        or "benchmark".
+        Named sets of the actuator file; its defaults otherwise. PUMA: parameters "rtb" or "akb", limits
+        "corke", "akb" or "benchmark".
     actuators : str or Path, optional
-        Actuator file (TOML). Without one, rotor inertia and friction are unknown (NaN, and not in the torques), and
+        Actuator file (TOML). Without it, rotor inertia and friction are unknown (NaN, not in the torques),
         the limits are the URDF's.
     tool : str, optional
-        Frame that is positioned and that carries payload and wrench; the actuator file's otherwise ("flange" for the
-        PUMA), else the end of the longest chain, which a note names.
+        Frame that is positioned and that carries payload and wrench; the actuator file's otherwise ("flange"
+        for the PUMA), else the end of the longest chain, which a note names.
     package_dirs : sequence of str or Path
-        Folders that hold the packages of ``package://`` mesh names. Meshes are opened from these, from the URDF's folder
-        and from the package that it lies in, from nowhere else.
+        Folders that hold the packages of ``package://`` mesh names. Meshes are opened from these, from the
+        URDF's folder and from the package that it lies in, from nowhere else.
     locked : mapping of str to float, optional
         Joints to fix, with their position in rad (m for prismatic joints), such as a gripper's fingers.
     gravity : array_like, shape (3,)
@@ -69,7 +72,8 @@ def load_robot(
     Raises
     ------
     InputError
-        For an unknown robot, set, frame or joint (the valid ones are listed) or a locked position outside its limits.
+        For an unknown robot, set, frame or joint (the valid ones are listed), or a locked position outside
+        its limits.
     ModelError
         For a file that is missing, malformed or describes no arm, with file, line and element.
 
@@ -91,10 +95,10 @@ def load_robot(
     for name, position in positions.items():
         _lock(urdf, name, position)
     model = _pinocchio_model(urdf, down)
-    geometry, missing_meshes = confined_geometry(urdf.text, package_dirs)
+    geometry, missing_meshes = confined_geometry(urdf, package_dirs)
     urdf_limits, limit_notes = _urdf_limits(urdf)
     chosen_tool, tool_notes = _tool(tool, file, urdf)
-    return Robot(
+    robot = Robot(
         name=urdf.name,
         bare_model=model,
         joint_names=urdf.moving,
@@ -103,8 +107,9 @@ def load_robot(
         limits=_limits(file, limits, urdf_limits, urdf),
         geometry=geometry,
         missing_meshes=missing_meshes,
-        notes=(*drives.notes, *urdf.notes, *limit_notes, *tool_notes),
+        notes=(*drives.notes, *urdf.notes, *massless_notes(model, urdf), *limit_notes, *tool_notes),
     )
+    return replace(robot, missing_inertia=check_inertia(model, robot.model.armature, urdf_path))
 
 
 def _paths(source: str | Path, actuators: str | Path | None) -> tuple[Path, Path | None]:
@@ -133,10 +138,18 @@ def _parameter_set(file: ActuatorFile | None, name: str | None, urdf: Urdf) -> P
     if file is not None:
         return file.parameter_set(name, urdf.moving)
     if name is not None:
-        raise InputError(f"parameters {name!r}: there are no named sets without an actuator file (actuators=...)")
-    note = "no actuator file: rotor inertia and friction are unknown and not in the torques"
+        raise InputError(
+            f"parameters {name!r}: there are no named sets without an actuator file (actuators=...)"
+        )
+    note = (
+        "no actuator file: rotor inertia and friction are unknown, not in the torques; <dynamics> is not used"
+    )
     return ParameterSet(
-        name="", notes=(note,), actuators={joint: Actuator() for joint in urdf.moving}, link_coms={}, joint_origins={}
+        name="",
+        notes=(note,),
+        actuators={joint: Actuator() for joint in urdf.moving},
+        link_coms={},
+        joint_origins={},
     )
 
 
@@ -156,17 +169,26 @@ def _apply(drives: ParameterSet, urdf: Urdf) -> None:
             raise ModelError(f"actuator file: link {name!r} has no <inertial> whose com could be replaced")
         _set_origin(inertial, xyz=com)
     for name, xyz in drives.joint_origins.items():
-        _set_origin(urdf.joints[checked_choice("joint in the actuator file", name, urdf.joints)].element, xyz=xyz)
+        _set_origin(
+            urdf.joints[checked_choice("joint in the actuator file", name, urdf.joints)].element, xyz=xyz
+        )
 
 
 def _lock(urdf: Urdf, name: str, position: float) -> None:
     """Turn a joint into a fixed one at this position."""
     element = urdf.joints[name].element
-    axis = _vector(element.find("axis"), "xyz", (1.0, 0.0, 0.0))
+    limit = element.find("limit")
+    if limit is not None and element.get("type") != "continuous":
+        lower, upper = float(limit.get("lower", "0")), float(limit.get("upper", "0"))
+        if not lower <= position <= upper:
+            raise InputError(
+                f"locked[{name!r}] = {position:g} is outside the joint's limits [{lower:g}, {upper:g}]"
+            )
+    axis = vector(element.find("axis"), "xyz", (1.0, 0.0, 0.0))
     axis = axis / np.linalg.norm(axis)
     origin = element.find("origin")
-    rotation = pin.rpy.rpyToMatrix(_vector(origin, "rpy", (0.0, 0.0, 0.0)))
-    translation = _vector(origin, "xyz", (0.0, 0.0, 0.0))
+    rotation = pin.rpy.rpyToMatrix(vector(origin, "rpy", (0.0, 0.0, 0.0)))
+    translation = vector(origin, "xyz", (0.0, 0.0, 0.0))
     if element.get("type") == "prismatic":
         translation = translation + rotation @ axis * position
     else:
@@ -183,23 +205,12 @@ def _set_origin(element: ET.Element, **values: Array) -> None:
         origin.set(name, " ".join(repr(float(x)) for x in value))
 
 
-def _vector(element: ET.Element | None, name: str, default: tuple[float, ...]) -> Array:
-    text = None if element is None else element.get(name)
-    return np.array(default if text is None else [float(x) for x in text.split()])
-
-
 def _pinocchio_model(urdf: Urdf, gravity: Array) -> pin.Model:
-    """Pinocchio's model of links, joints and inertias alone: it never sees a tag that was not checked."""
-    tree = ET.Element("robot", name=urdf.name)
-    for name, link in urdf.links.items():
-        ET.SubElement(tree, "link", name=name).extend(link.findall("inertial"))
-    for joint in urdf.joints.values():
-        element = ET.SubElement(tree, "joint", name=joint.name, type=joint.kind)
-        element.extend(child for child in joint.element if child.tag in ("origin", "parent", "child", "axis", "limit"))
     try:
-        model = pin.buildModelFromXML(ET.tostring(tree, encoding="unicode"))
+        model = pin.buildModelFromXML(urdf.xml(("inertial",)))
     except (ValueError, RuntimeError) as error:
         raise ModelError(f"{urdf.text.path}: Pinocchio refuses this URDF: {str(error).strip()}") from error
+    check_complete(model, urdf)
     model.gravity.linear = np.array(gravity)
     return model
 
@@ -249,5 +260,7 @@ def _tool(tool: str | None, file: ActuatorFile | None, urdf: Urdf) -> tuple[str,
     longest = max(map(length, ends))
     candidates = [link for link in ends if length(link) == longest]
     others = f" (as long: {', '.join(candidates[:-1])})" if len(candidates) > 1 else ""
-    note = f"tool frame {candidates[-1]!r}: chosen as the last link of the longest chain{others}; pass tool= for another"
+    note = (
+        f"tool frame {candidates[-1]!r}: the last link of the longest chain{others}; pass tool= for another"
+    )
     return candidates[-1], (note,)

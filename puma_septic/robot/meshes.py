@@ -14,6 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from puma_septic.errors import ModelError
+from puma_septic.robot.urdf_checks import Urdf
 from puma_septic.robot.urdf_text import UrdfText
 
 __all__ = ["Geometry", "confined_geometry"]
@@ -47,7 +48,7 @@ class Geometry:
         try:
             geometry = pin.buildGeomFromUrdfString(model, self.urdf, kind)
         except (ValueError, RuntimeError) as error:
-            raise ModelError(f"a mesh cannot be read: {str(error).strip()}") from error
+            raise ModelError(f"the shapes cannot be built: {str(error).strip()}") from error
         for shape in geometry.geometryObjects:
             vertices = getattr(shape.geometry, "vertices", None)
             if vertices is not None and not np.isfinite(vertices()).all():
@@ -57,39 +58,47 @@ class Geometry:
         return geometry
 
 
-def confined_geometry(text: UrdfText, package_dirs: Sequence[str | Path]) -> tuple[Geometry, tuple[str, ...]]:
-    """Geometry of a parsed URDF, and the meshes that were left out because their file is not there.
+def confined_geometry(urdf: Urdf, package_dirs: Sequence[str | Path]) -> tuple[Geometry, tuple[str, ...]]:
+    """Geometry of a checked URDF, and the meshes that were left out because their file is not there.
 
-    Mesh names are replaced by the path that was checked, so that nothing else can be opened later; shapes whose mesh is
-    missing are taken out of the tree.
+    Mesh names are replaced by the path that was checked, so that nothing else can be opened later; shapes
+    whose mesh is missing are taken out of the tree.
 
     Raises
     ------
     ModelError
-        For a mesh outside `package_dirs`, the URDF's folder and the package that the URDF lies in, or one that is not
-        a file (``http://``).
+        For a mesh outside `package_dirs`, the URDF's folder and the package that the URDF lies in, or one
+        that is not a file (``http://``).
     """
+    text = urdf.text
     home = text.path.resolve().parent
     packages = [Path(folder).resolve() for folder in package_dirs]
     roots = tuple(dict.fromkeys([home, *packages, *_own_package(home)]))
     missing = []
-    for link in text.root.findall("link"):
+    for name, link in urdf.links.items():
         for shape in [*link.findall("visual"), *link.findall("collision")]:
             mesh = shape.find("geometry/mesh")
             if mesh is None:
                 continue
-            path = _mesh_path(text, mesh, packages, home)
+            try:
+                path = _mesh_path(text, mesh, packages, home)
+                exists = path is not None and path.is_file()
+            except (OSError, RuntimeError, ValueError) as error:  # too long a name, a loop of links
+                raise text.fault(
+                    mesh, f"filename={mesh.get('filename')!r} is no usable path: {error}"
+                ) from error
             if path is not None and not any(path.is_relative_to(root) for root in roots):
                 folders = ", ".join(map(str, roots))
                 raise text.fault(
-                    mesh, f"filename={mesh.get('filename')!r} leads to {path}, outside the robot's folders ({folders})"
+                    mesh,
+                    f"filename={mesh.get('filename')!r} is {path}, not in the robot's folders: {folders}",
                 )
-            if path is None or not path.is_file():
+            if not exists:
                 link.remove(shape)
-                missing.append(f"link {link.get('name')!r}: {mesh.get('filename')}")
+                missing.append(f"link {name!r}: {mesh.get('filename')}")
             else:
                 mesh.set("filename", str(path))
-    geometry = Geometry(urdf=ET.tostring(text.root, encoding="unicode"), roots=roots)
+    geometry = Geometry(urdf=urdf.xml(("visual", "collision")), roots=roots)
     return geometry, tuple(dict.fromkeys(missing))
 
 
@@ -112,7 +121,9 @@ def _mesh_path(text: UrdfText, mesh: ET.Element, packages: Sequence[Path], home:
         )
     package, _, inside = rest.partition("/")
     if package in ("", ".", ".."):
-        raise text.fault(mesh, f"filename={name!r} leaves the robot's folders: {package!r} is no package name")
+        raise text.fault(
+            mesh, f"filename={name!r} leaves the robot's folders: {package!r} is no package name"
+        )
     own = [folder for folder in _own_package(home) if folder.name == package]
     found = [folder / package for folder in packages if (folder / package).is_dir()] + own
     return _inside_package(text, mesh, found[0].resolve(), inside) if found else None
@@ -121,12 +132,14 @@ def _mesh_path(text: UrdfText, mesh: ET.Element, packages: Sequence[Path], home:
 def _inside_package(text: UrdfText, mesh: ET.Element, package: Path, inside: str) -> Path:
     path = (package / inside.lstrip("/")).resolve()
     if not path.is_relative_to(package):
-        raise text.fault(mesh, f"filename={mesh.get('filename')!r} leads to {path}, outside its package {package}")
+        raise text.fault(
+            mesh, f"filename={mesh.get('filename')!r} leads to {path}, outside its package {package}"
+        )
     return path
 
 
 def _check_textures(path: Path, roots: Sequence[Path]) -> None:
-    """Refuse a Collada file that names an image outside the robot's folders: a viewer would copy it into its scene."""
+    """Refuse a Collada file with an image outside the robot's folders: a viewer would copy it."""
     images: list[str] = []
     inside = 0
 

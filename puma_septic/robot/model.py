@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import final
+from typing import Any, final
 
 import numpy as np
 import pinocchio as pin
@@ -40,8 +40,8 @@ class Robot:
     geometry : Geometry
         Visual and collision shapes, not yet built.
     missing_inertia : tuple of str
-        Joints that would move no inertia at all, because the URDF has none for what they carry: no torque can be
-        computed with them.
+        Joints that would move no inertia at all, because the URDF has none for what they carry: no torque can
+        be computed with them.
     missing_meshes : tuple of str
         Link and mesh name of each shape that is left out because its file was not found.
     payload : Payload or None
@@ -84,7 +84,9 @@ class Robot:
         joints = [self.bare_model.joints[self.bare_model.getJointId(name)] for name in self.joint_names]
         ratios = np.array([actuator.gear_ratio for actuator in self.actuators])
         viscous = np.array([actuator.viscous_friction for actuator in self.actuators]) * ratios**2
-        coulomb = np.array([actuator.coulomb_friction for actuator in self.actuators]) * np.abs(ratios)[:, None]
+        coulomb = (
+            np.array([actuator.coulomb_friction for actuator in self.actuators]) * np.abs(ratios)[:, None]
+        )
         derived = {
             "_index_q": np.array([joint.idx_q for joint in joints]),
             "_index_v": np.array([joint.idx_v for joint in joints]),
@@ -106,7 +108,9 @@ class Robot:
         if len(self.actuators) != self.n_joints:
             raise InputError(f"actuators: {len(self.actuators)} given for {self.n_joints} joints")
         if len(self.limits.velocity) != self.n_joints:
-            raise InputError(f"limits: given for {len(self.limits.velocity)} joints, the arm has {self.n_joints}")
+            raise InputError(
+                f"limits: given for {len(self.limits.velocity)} joints, the arm has {self.n_joints}"
+            )
 
     def _loaded_model(self) -> pin.Model:
         """The bare model with rotor inertia and payload written into a copy of it."""
@@ -192,11 +196,16 @@ class Robot:
         jerk: ArrayLike | None = None,
         effort: ArrayLike | None = None,
     ) -> Robot:
-        """The same arm with other limits: a whole set, or the named ones replaced; a scalar holds for every joint."""
+        """The same arm with other limits: a whole set, or the named ones; a scalar holds for all joints."""
         new = self.limits if limits is None else limits
         given = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk, "effort": effort}
-        changes: dict[str, Array] = {
-            name: checked_array(name, np.broadcast_to(np.asarray(value, dtype=float), (self.n_joints,)), (None,), allow_nan=True)
+        changes: dict[str, Any] = {
+            name: checked_array(
+                name,
+                np.broadcast_to(np.asarray(value, dtype=float), (self.n_joints,)),
+                (None,),
+                allow_nan=True,
+            )
             if np.ndim(value) == 0
             else checked_array(name, value, (self.n_joints,), allow_nan=True)
             for name, value in given.items()
@@ -209,4 +218,6 @@ class Robot:
 
 def _frame_id(model: pin.Model, name: str) -> int:
     """Index of a frame that exists; where a link and a joint share the name, the link is meant."""
-    return int(model.getFrameId(name, pin.FrameType.BODY) if model.existBodyName(name) else model.getFrameId(name))
+    return int(
+        model.getFrameId(name, pin.FrameType.BODY) if model.existBodyName(name) else model.getFrameId(name)
+    )

@@ -51,10 +51,10 @@ def read_utf8(path: Path, what: str, max_bytes: int) -> str:
     ModelError
         Naming the file and the reason.
     """
-    if not path.is_file():
-        reason = "is not a file" if path.exists() else "does not exist"
-        raise ModelError(f"{path}: this {what} {reason}")
     try:
+        if not path.is_file():
+            reason = "is not a file" if path.exists() else "does not exist"
+            raise ModelError(f"{path}: this {what} {reason}")
         with path.open("rb") as stream:
             data = stream.read(max_bytes + 1)
     except OSError as error:
@@ -86,7 +86,9 @@ def read_urdf(path: Path) -> UrdfText:
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         if len(owners) > MAX_NESTING:
-            raise ModelError(f"{path}, line {parser.CurrentLineNumber}: more than {MAX_NESTING} nested elements")
+            raise ModelError(
+                f"{path}, line {parser.CurrentLineNumber}: more than {MAX_NESTING} nested elements"
+            )
         named = f" {attributes['name']!r}" if "name" in attributes else ""
         owners.append(named if len(owners) < 2 else f" of {owners[1]}")
         places[builder.start(tag, attributes)] = (parser.CurrentLineNumber, owners[-1])
@@ -98,7 +100,9 @@ def read_urdf(path: Path) -> UrdfText:
         builder.end(tag)
 
     def refuse_doctype(*_: object) -> NoReturn:
-        raise ModelError(f"{path}, line {parser.CurrentLineNumber}: a document type (DOCTYPE) is not allowed in a URDF")
+        raise ModelError(
+            f"{path}, line {parser.CurrentLineNumber}: a document type (DOCTYPE) is not allowed in a URDF"
+        )
 
     parser.StartElementHandler, parser.EndElementHandler = start, end
     parser.StartDoctypeDeclHandler = refuse_doctype
@@ -106,5 +110,7 @@ def read_urdf(path: Path) -> UrdfText:
         parser.Parse(text.encode(), True)
     except expat.ExpatError as error:
         reason = expat.ErrorString(error.code)
-        raise ModelError(f"{path}, line {error.lineno}, column {error.offset}: not well-formed XML: {reason}") from error
+        raise ModelError(
+            f"{path}, line {error.lineno}, column {error.offset}: not well-formed XML: {reason}"
+        ) from error
     return UrdfText(path=path, root=builder.close(), places=places)

@@ -57,8 +57,8 @@ class Actuator:
         coulomb = checked_array("coulomb_friction", self.coulomb_friction, (2,), unit="N m", allow_nan=True)
         if coulomb[0] < 0 or coulomb[1] > 0:
             raise InputError(
-                f"coulomb_friction = [{coulomb[0]:g}, {coulomb[1]:g}] N m: the first (positive velocity) must be >= 0"
-                " and the second (negative velocity) <= 0"
+                f"coulomb_friction = [{coulomb[0]:g}, {coulomb[1]:g}] N m: the first, for positive velocity, must be"
+                " >= 0, the second, for negative velocity, <= 0"
             )
         object.__setattr__(self, "coulomb_friction", coulomb)
 
@@ -94,7 +94,9 @@ class Limits:
         position = checked_array("position", self.position, (None, 2), allow_nan=True)
         if (position[:, 0] >= position[:, 1]).any():
             k = int(np.argmax(position[:, 0] >= position[:, 1]))
-            raise InputError(f"position[{k}]: lower bound {position[k, 0]:g} is not below upper {position[k, 1]:g}")
+            raise InputError(
+                f"position[{k}]: lower bound {position[k, 0]:g} is not below upper {position[k, 1]:g}"
+            )
         object.__setattr__(self, "position", position)
         for name in ("velocity", "acceleration", "jerk", "effort"):
             values = checked_array(name, getattr(self, name), (len(position),), allow_nan=True)

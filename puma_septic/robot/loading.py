@@ -91,7 +91,7 @@ def load_robot(
     urdf = checked_urdf(read_urdf(urdf_path), positions)
     file = None if actuator_path is None else read_actuator_file(actuator_path, urdf.name)
     drives = _parameter_set(file, parameters, urdf)
-    _apply(drives, urdf)
+    _apply(drives, urdf, actuator_path)
     for name, position in positions.items():
         _lock(urdf, name, position)
     model = _pinocchio_model(urdf, down)
@@ -161,17 +161,18 @@ def _limits(file: ActuatorFile | None, name: str | None, urdf_limits: Limits, ur
     return urdf_limits
 
 
-def _apply(drives: ParameterSet, urdf: Urdf) -> None:
+def _apply(drives: ParameterSet, urdf: Urdf, path: Path | None) -> None:
     """Write a parameter set's centres of mass and joint origins into the tree."""
-    for name, com in drives.link_coms.items():
-        inertial = urdf.links[checked_choice("link in the actuator file", name, urdf.links)].find("inertial")
-        if inertial is None:
-            raise ModelError(f"actuator file: link {name!r} has no <inertial> whose com could be replaced")
-        _set_origin(inertial, xyz=com)
-    for name, xyz in drives.joint_origins.items():
-        _set_origin(
-            urdf.joints[checked_choice("joint in the actuator file", name, urdf.joints)].element, xyz=xyz
-        )
+    inertials = {name: part for name, link in urdf.links.items() for part in link.findall("inertial")}
+    joints = {name: joint.element for name, joint in urdf.joints.items()}
+    for kind, elements, positions in (
+        ("link (with <inertial>)", inertials, drives.link_coms),
+        ("joint", joints, drives.joint_origins),
+    ):
+        for name, xyz in positions.items():
+            if name not in elements:
+                raise ModelError(f"{path}: unknown {kind} {name!r}; valid: {', '.join(elements)}")
+            _set_origin(elements[name], xyz=xyz)
 
 
 def _lock(urdf: Urdf, name: str, position: float) -> None:

@@ -16,6 +16,8 @@ __all__ = ["check_complete", "check_inertia", "massless_notes"]
 
 N_CONFIGURATIONS = 20
 SEED = 560
+SINGULAR = 1e-12  # of a matrix with unit diagonal: rounding leaves some 1e-16 of a zero eigenvalue
+FAR = 1e3  # rad or m: a limit beyond it is a placeholder such as 1e16
 NO_INERTIA = 1e-12  # kg m^2 (kg for prismatic joints), far below a watch's hand
 
 
@@ -60,17 +62,18 @@ def check_inertia(model: pin.Model, armature: Array, path: object) -> tuple[str,
     inertias = np.array([np.array(pin.crba(model, data, q)) for q in _configurations(model)])
     upper = np.triu(inertias)  # crba fills the upper triangle alone
     inertias = upper + np.triu(upper, 1).transpose(0, 2, 1)
-    diagonals = np.diagonal(inertias, axis1=1, axis2=2)
-    present = ~(diagonals.max(axis=0) <= NO_INERTIA)
-    lowest = np.linalg.eigvalsh((inertias + np.diag(armature))[:, present][:, :, present])[:, :1]
-    if not (lowest > 0).all():
+    present = ~(np.diagonal(inertias, axis1=1, axis2=2).max(axis=0) <= NO_INERTIA)
+    inertias = (inertias + np.diag(armature))[:, present][:, :, present]
+    diagonals = np.abs(np.diagonal(inertias, axis1=1, axis2=2))
+    scales = np.sqrt(np.maximum(diagonals, NO_INERTIA))  # so that kg m^2 and kg compare
+    lowest = np.linalg.eigvalsh(inertias / (scales[:, :, None] * scales[:, None, :]))[:, :1]
+    if not (lowest > SINGULAR).all():
         raise ModelError(
-            f"{path}: the joint-space inertia is not positive definite, least eigenvalue {lowest.min():g}:"
+            f"{path}: the joint-space inertia is not positive definite:"
             " masses and inertias are not those of bodies"
         )
-    return tuple(
-        name for joint, name in zip(model.joints, model.names, strict=True) if _absent(joint, present)
-    )
+    joints = zip(list(model.joints)[1:], list(model.names)[1:], strict=True)  # the first is the world
+    return tuple(name for joint, name in joints if not present[joint.idx_v])
 
 
 def massless_notes(model: pin.Model, urdf: Urdf) -> Iterator[str]:
@@ -81,17 +84,13 @@ def massless_notes(model: pin.Model, urdf: Urdf) -> Iterator[str]:
             yield f"link {urdf.joints[name].child!r}: moves, but the URDF has no inertia for it; massless"
 
 
-def _absent(joint: pin.JointModel, present: np.ndarray) -> bool:
-    return bool(joint.nv == 1 and not present[joint.idx_v])
-
-
 def _configurations(model: pin.Model) -> Iterator[Array]:
     """Random ones within the position limits; a continuous joint anywhere on its circle."""
     lower, upper = np.full(model.nv, -np.pi), np.full(model.nv, np.pi)
     for joint in list(model.joints)[1:]:
         if joint.nq == 1:
-            lower[joint.idx_v] = model.lowerPositionLimit[joint.idx_q]
-            upper[joint.idx_v] = model.upperPositionLimit[joint.idx_q]
+            lower[joint.idx_v] = np.clip(model.lowerPositionLimit[joint.idx_q], -FAR, FAR)
+            upper[joint.idx_v] = np.clip(model.upperPositionLimit[joint.idx_q], -FAR, FAR)
     rng = np.random.default_rng(SEED)
     for _ in range(N_CONFIGURATIONS):
         yield pin.integrate(model, pin.neutral(model), rng.uniform(lower, upper))

@@ -14,6 +14,7 @@ __all__ = ["MOVING_KINDS", "joint_notes", "link_notes"]
 
 MOVING_KINDS = ("revolute", "continuous", "prismatic")
 NO_MOMENT = 1e-12  # kg m^2, below any body's: what is left of zeros that a tool has rotated
+MAX_MASS = 1e6  # kg
 MAX_DISTANCE = 1e3  # m: no arm is longer, and 1e308 overflows in the dynamics
 ROUNDING = 1e-6  # of printed digits, relative, so that a thin plate with A + B = C passes
 AXIS_ROUNDING = 1e-3  # 0.707 for the half of sqrt(2) is still meant as a unit axis
@@ -69,6 +70,8 @@ def _inertial_notes(text: UrdfText, inertial: ET.Element, name: str) -> Iterator
     assert mass_element is not None  # the schema requires both
     assert tensor_element is not None
     mass = float(vector(mass_element, "value", ())[0])
+    if mass > MAX_MASS:
+        raise text.fault(mass_element, f"value={mass_element.get('value')!r}: more than {MAX_MASS:g} kg")
     if mass < 0:
         raise text.fault(mass_element, f"value={mass_element.get('value')!r}: a mass cannot be negative")
     xx, xy, xz, yy, yz, zz = (
@@ -79,6 +82,8 @@ def _inertial_notes(text: UrdfText, inertial: ET.Element, name: str) -> Iterator
         raise text.fault(
             tensor_element, f"principal moments {a:g}, {b:g}, {c:g} kg m^2: none may be negative"
         )
+    if c > MAX_MASS * MAX_DISTANCE**2:
+        raise text.fault(tensor_element, f"principal moment {c:g} kg m^2: larger than any arm's")
     if mass == 0 and c > 0:
         yield f"{name}: mass 0 with an inertia, used as it is"
     elif a + b < c * (1 - ROUNDING) - NO_MOMENT:

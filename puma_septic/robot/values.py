@@ -57,8 +57,8 @@ class Actuator:
         coulomb = checked_array("coulomb_friction", self.coulomb_friction, (2,), unit="N m", allow_nan=True)
         if coulomb[0] < 0 or coulomb[1] > 0:
             raise InputError(
-                f"coulomb_friction = [{coulomb[0]:g}, {coulomb[1]:g}] N m: the first, for positive velocity, must be"
-                " >= 0, the second, for negative velocity, <= 0"
+                f"coulomb_friction = [{coulomb[0]:g}, {coulomb[1]:g}] N m: the first (positive velocity)"
+                " must be >= 0 and the second (negative velocity) <= 0"
             )
         object.__setattr__(self, "coulomb_friction", coulomb)
 

@@ -30,6 +30,8 @@ _HOMES: Final = {
     "compute_motion": "motion",
     "forward_kinematics": "kinematics",
     "inverse_dynamics": "dynamics",
+    "inverse_kinematics": "kinematics",
+    "inverse_kinematics_batch": "kinematics",
     "jacobian": "kinematics",
     "load_robot": "robot",
     "lspb": "profiles",
@@ -53,6 +55,8 @@ if TYPE_CHECKING:
     from puma_septic.errors import NoSolution as NoSolution
     from puma_septic.errors import PumaSepticError as PumaSepticError
     from puma_septic.kinematics import forward_kinematics as forward_kinematics
+    from puma_septic.kinematics import inverse_kinematics as inverse_kinematics
+    from puma_septic.kinematics import inverse_kinematics_batch as inverse_kinematics_batch
     from puma_septic.kinematics import jacobian as jacobian
     from puma_septic.kinematics import tool_motion as tool_motion
     from puma_septic.motion import Motion as Motion

@@ -39,8 +39,8 @@ class ToolMotion:
 def forward_kinematics(robot: Robot, q: ArrayLike, *, frame: str | None = None) -> Array:
     r"""Pose of the tool, or of another frame, in the world.
 
-    The chain product :math:`T = \prod_k P_k J_k(q_k) \cdot P_{end}` over the joints that carry the frame, with
-    constant placements :math:`P` and one rotation about, or shift along, each joint's axis.
+    The chain product :math:`T = \prod_k P_k J_k(q_k) \cdot P_{end}` over the joints that carry the frame,
+    with constant placements :math:`P` and one rotation about, or shift along, each joint's axis.
 
     Parameters
     ----------
@@ -77,9 +77,9 @@ def forward_kinematics(robot: Robot, q: ArrayLike, *, frame: str | None = None) 
 def jacobian(robot: Robot, q: ArrayLike) -> Array:
     r"""Jacobian of the tool: linear over angular velocity, in world axes, at the tool's origin.
 
-    Column k is :math:`[z_k \times (p - p_k);\ z_k]` for a revolute joint and :math:`[z_k;\ 0]` for a prismatic one;
-    a joint that does not carry the tool has a column of zeros. It is Pinocchio's ``LOCAL_WORLD_ALIGNED`` and the
-    Robotics Toolbox's ``jacob0``.
+    Column k is :math:`[z_k \times (p - p_k);\ z_k]` for a revolute joint and :math:`[z_k;\ 0]` for a
+    prismatic one; a joint that does not carry the tool has a column of zeros. It is Pinocchio's
+    ``LOCAL_WORLD_ALIGNED`` and the Robotics Toolbox's ``jacob0``.
 
     Parameters
     ----------
@@ -135,8 +135,8 @@ def tool_motion(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> ToolM
               \ddot p \mathrel{+}= \dot\omega \times r + \omega \times (\omega \times r)
 
     and at a revolute joint :math:`\dot\omega \mathrel{+}= z a + \omega \times z v`, then
-    :math:`\omega \mathrel{+}= z v` (a prismatic one adds :math:`z a + 2 \omega \times z v` and :math:`z v` to the
-    motion of the origin).
+    :math:`\omega \mathrel{+}= z v` (a prismatic one adds :math:`z a + 2 \omega \times z v` and :math:`z v`
+    to the motion of the origin).
 
     Parameters
     ----------

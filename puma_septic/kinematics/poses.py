@@ -7,49 +7,42 @@ from numpy.typing import ArrayLike
 
 from puma_septic.checks import Array, checked_array
 from puma_septic.errors import InputError
+from puma_septic.kinematics.chain import cross
 
 __all__ = ["checked_poses", "pose_errors"]
 
-# A rotation typed or stored with ten digits passes and is then made orthonormal; one with fewer digits would leave
-# it open which pose is meant.
+# A rotation typed or stored with ten digits passes and is then made orthonormal; one with fewer digits would
+# leave it open which pose is meant.
 RIGIDITY = 1e-9
 
 
 def checked_poses(name: str, poses: ArrayLike) -> Array:
-    """Return rigid transforms as (4, 3, n): each rotation's three columns and the position, in world coordinates.
+    """Return rigid transforms as (4, 3, n): each rotation's three columns and the position, in world
+    coordinates.
 
     A rotation that is orthonormal to 1e-9 is replaced by the nearest one that is so to rounding.
 
     Raises
     ------
     InputError
-        For a wrong shape, a value that is not finite, a last row other than 0 0 0 1, a rotation part that is not
-        orthonormal to 1e-9, or a reflection; with the value that is wrong.
+        For a wrong shape, a value that is not finite, a last row other than 0 0 0 1, a rotation part that is
+        not orthonormal to 1e-9, or a reflection; with the value that is wrong.
     """
     array = checked_array(name, poses, (None, 4, 4))
     frame = np.ascontiguousarray(array[:, :3].transpose(2, 1, 0))
-    x, y, z, _ = frame
-    defects = np.stack(
-        (
-            _dot(x, x) - 1.0,
-            _dot(y, y) - 1.0,
-            _dot(z, z) - 1.0,
-            _dot(x, y),
-            _dot(y, z),
-            _dot(z, x),
-            x[1] * y[2] - x[2] * y[1] - z[0],
-        )
-    )
-    defect = np.abs(defects).max(axis=0, initial=0.0)
-    proper = (defect <= RIGIDITY) & (np.abs(array[:, 3] - (0, 0, 0, 1)).max(axis=1, initial=0.0) <= RIGIDITY)
-    if not proper.all():
-        k = int(np.argmin(proper))
-        raise InputError(f"{name}{f'[{k}]' if len(array) > 1 else ''}: {_why_not_rigid(array[k])}")
-    if defect.max(initial=0.0) > 1e-14:
-        rotation = array[:, :3, :3]
+    rotation = frame[:3]
+    lengths = (rotation * rotation).sum(axis=1) - 1.0
+    angles = (rotation * rotation[[1, 2, 0]]).sum(axis=1)
+    defect = max(np.abs(lengths).max(initial=0.0), np.abs(angles).max(initial=0.0))
+    determinants = (cross(frame[0], frame[1]) * frame[2]).sum(axis=0)
+    last_row = np.abs(array[:, 3] - (0.0, 0.0, 0.0, 1.0)).max(initial=0.0)
+    if not (defect <= RIGIDITY and last_row <= RIGIDITY and (determinants > 0.0).all()):
+        raise InputError(_first_fault(name, array))
+    if defect > 1e-14:
         # One Newton step towards the polar factor: an error of 1e-9 becomes one of 1e-18.
-        rotation = 1.5 * rotation - 0.5 * rotation @ (rotation.transpose(0, 2, 1) @ rotation)
-        frame[:3] = rotation.transpose(2, 1, 0)
+        given = array[:, :3, :3]
+        improved = 1.5 * given - 0.5 * given @ (given.transpose(0, 2, 1) @ given)
+        frame[:3] = improved.transpose(2, 1, 0)
     return frame
 
 
@@ -76,19 +69,18 @@ def pose_errors(target: Array, frame: Array) -> Array:
     return np.concatenate(((target[3] - frame[3]).T, turn), axis=1)
 
 
-def _dot(a: Array, b: Array) -> Array:
-    product: Array = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-    return product
-
-
-def _why_not_rigid(pose: Array) -> str:
-    if np.abs(pose[3] - (0, 0, 0, 1)).max() > RIGIDITY:
-        return f"last row {pose[3].tolist()} of a rigid transform must be [0, 0, 0, 1]"
-    rotation = pose[:3, :3]
-    defect = float(np.abs(rotation.T @ rotation - np.eye(3)).max())
-    if defect > RIGIDITY:
-        return (
-            f"not a rigid transform: R^T R differs from the identity by {defect:.3g} (at most {RIGIDITY:g});"
-            f" R = {rotation.tolist()}"
-        )
-    return f"not a rigid transform: det R = {np.linalg.det(rotation):.6g} is a reflection; R = {rotation.tolist()}"
+def _first_fault(name: str, poses: Array) -> str:
+    """What is wrong with the first pose that is not rigid."""
+    for k, pose in enumerate(poses):
+        label = f"{name}[{k}]" if len(poses) > 1 else name
+        rotation, last = pose[:3, :3], pose[3]
+        if np.abs(last - (0, 0, 0, 1)).max() > RIGIDITY:
+            return f"{label}: last row {last.tolist()} of a rigid transform must be [0, 0, 0, 1]"
+        defect = float(np.abs(rotation.T @ rotation - np.eye(3)).max())
+        determinant = float(np.linalg.det(rotation))
+        if defect > RIGIDITY:
+            problem = f"R^T R differs from the identity by {defect:.3g} (at most {RIGIDITY:g})"
+            return f"{label}: not a rigid transform: {problem}; R = {rotation.tolist()}"
+        if determinant < 0.0:
+            return f"{label}: not a rigid transform: R is a reflection (det R = {determinant:.6g})"
+    return f"{name}: not rigid transforms"

@@ -1,0 +1,181 @@
+"""One polynomial per segment from its values at both ends: cubic, quintic, classic septic."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from math import perm
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from puma_septic.checks import Array, checked_array
+from puma_septic.piecewise import Piecewise
+from puma_septic.piecewise.matrices import from_power_matrix
+from puma_septic.profiles.points import checked_points, checked_via_times, named
+from puma_septic.trajectory import Trajectory
+
+__all__ = ["classic_septic", "cubic", "quintic"]
+
+
+def cubic(
+    points: ArrayLike,
+    times: ArrayLike,
+    *,
+    velocities: ArrayLike | None = None,
+    joint_names: Sequence[str] | None = None,
+) -> Trajectory:
+    """One cubic per segment, from position and velocity at both its ends.
+
+    With s = (t - t0)/T and h = q1 - q0:
+    ``q = q0 + v0 T s + (3 h - (2 v0 + v1) T) s^2 + (-2 h + (v0 + v1) T) s^3`` (Biagiotti and Melchiorri,
+    Trajectory Planning for Automatic Machines and Robots, section 2.1.3). The velocity is continuous, the
+    acceleration steps at every point, both ends included. At rest it peaks at ``6 h/T^2``.
+
+    Parameters
+    ----------
+    points : array_like, shape (k, n_joints)
+        At least two, rad (m for prismatic joints).
+    times : array_like, shape (k,)
+        Strictly increasing, s.
+    velocities : array_like, shape (k, n_joints), optional
+        At the points, rad/s; without them the arm stops at each point.
+    joint_names : sequence of str, optional
+
+    Raises
+    ------
+    InputError
+        For fewer than two points, times that do not increase, non-finite or misshapen arrays.
+
+    Examples
+    --------
+    >>> from puma_septic import profiles
+    >>> move = profiles.cubic([[0.0], [1.0], [2.0]], [0.0, 1.0, 2.0], velocities=[[0.0], [1.0], [0.0]])
+    >>> float(move(1.0, order=1)[0])
+    1.0
+    """
+    return _hermite("cubic", points, times, [velocities], joint_names)
+
+
+def quintic(
+    points: ArrayLike,
+    times: ArrayLike,
+    *,
+    velocities: ArrayLike | None = None,
+    accelerations: ArrayLike | None = None,
+    joint_names: Sequence[str] | None = None,
+) -> Trajectory:
+    """One quintic per segment, from position, velocity and acceleration at both its ends.
+
+    At rest ``q = q0 + h (10 s^3 - 15 s^4 + 6 s^5)``, the 3-4-5 polynomial: of all motions from rest to rest
+    with continuous acceleration the one with the least integral of jerk^2, ``720 h^2/T^5`` (Flash and Hogan,
+    The Coordination of Arm Movements, 1985; general boundary values: Biagiotti and Melchiorri, section
+    2.1.4). The jerk steps at every point. The same curve as `quintic_segments`.
+
+    Parameters
+    ----------
+    points : array_like, shape (k, n_joints)
+        At least two, rad (m for prismatic joints).
+    times : array_like, shape (k,)
+        Strictly increasing, s.
+    velocities, accelerations : array_like, shape (k, n_joints), optional
+        At the points, rad/s and rad/s^2; zero where not given.
+    joint_names : sequence of str, optional
+
+    Raises
+    ------
+    InputError
+        For fewer than two points, times that do not increase, non-finite or misshapen arrays.
+
+    Examples
+    --------
+    >>> from puma_septic import profiles
+    >>> move = profiles.quintic([[0.0], [1.0]], [0.0, 1.0])
+    >>> float(move.extrema(1).max[0])
+    1.875
+    """
+    return _hermite("quintic", points, times, [velocities, accelerations], joint_names)
+
+
+def classic_septic(
+    points: ArrayLike,
+    times: ArrayLike,
+    *,
+    velocities: ArrayLike | None = None,
+    accelerations: ArrayLike | None = None,
+    jerks: ArrayLike | None = None,
+    joint_names: Sequence[str] | None = None,
+) -> Trajectory:
+    """One septic per segment, from position, velocity, acceleration and jerk at both its ends.
+
+    At rest ``q = q0 + h (35 s^4 - 84 s^5 + 70 s^6 - 20 s^7)``, the 4-5-6-7 polynomial; the jerk is
+    continuous, at rest too (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots,
+    section 2.1.5, which has the coefficients for general boundary values).
+
+    Parameters
+    ----------
+    points : array_like, shape (k, n_joints)
+        At least two, rad (m for prismatic joints).
+    times : array_like, shape (k,)
+        Strictly increasing, s.
+    velocities, accelerations, jerks : array_like, shape (k, n_joints), optional
+        At the points, rad/s, rad/s^2 and rad/s^3; zero where not given.
+    joint_names : sequence of str, optional
+
+    Raises
+    ------
+    InputError
+        For fewer than two points, times that do not increase, non-finite or misshapen arrays.
+
+    Examples
+    --------
+    >>> from puma_septic import profiles
+    >>> move = profiles.classic_septic([[0.0], [1.0]], [0.0, 1.0])
+    >>> float(move.extrema(1).max[0])
+    2.1875
+    """
+    return _hermite("classic_septic", points, times, [velocities, accelerations, jerks], joint_names)
+
+
+def _hermite(
+    profile: str,
+    points: ArrayLike,
+    times: ArrayLike,
+    derivatives: Sequence[ArrayLike | None],
+    joint_names: Sequence[str] | None,
+) -> Trajectory:
+    """Segments of the degree that position and the given derivatives at both ends determine."""
+    vias = checked_points(profile, points)
+    instants = checked_via_times(times, vias)
+    names = ("velocities", "accelerations", "jerks")
+    units = ("rad/s", "rad/s^2", "rad/s^3")
+    known = [
+        np.zeros_like(vias) if given is None else checked_array(name, given, vias.shape, unit=unit)
+        for name, given, unit in zip(names, derivatives, units, strict=False)
+    ]
+    T = np.diff(instants)[:, None]
+    # Relative to each segment's start, so that a joint that does not move has coefficients that are exactly
+    # zero.
+    start = [np.zeros_like(vias[1:]), *(x[:-1] * T ** (k + 1) for k, x in enumerate(known))]
+    end = [np.diff(vias, axis=0), *(x[1:] * T ** (k + 1) for k, x in enumerate(known))]
+    series = np.tensordot(_hermite_matrix(len(known)), np.stack(start + end), 1)
+    series[0] += vias[:-1]
+    return Trajectory(
+        position=Piecewise(breaks=instants, coefficients=series),
+        points=vias,
+        times=instants,
+        profile=profile,
+        joint_names=named(joint_names),
+    )
+
+
+@lru_cache(maxsize=4)
+def _hermite_matrix(order: int) -> Array:
+    """Chebyshev coefficients from the derivatives 0 ... order by s, at s = 0 and then at s = 1."""
+    size = 2 * (order + 1)
+    conditions = np.array(
+        [[perm(k, r) * (s or k == r) for k in range(size)] for s in (0, 1) for r in range(order + 1)]
+    )
+    # The inverse consists of multiples of 1/6 up to degree 7: rounding to them makes it exact.
+    inverse = np.round(6 * np.linalg.inv(conditions)) / 6
+    return np.asarray(from_power_matrix(size - 1) @ inverse)

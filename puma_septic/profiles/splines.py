@@ -1,0 +1,223 @@
+"""Splines through the points: cubic, quintic and septic, at knots that are the via times."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from puma_septic.checks import Array, checked_array
+from puma_septic.errors import InputError
+from puma_septic.profiles.points import boundary, checked_points, checked_via_times, named
+from puma_septic.profiles.segments import at_ends, solve_segments, through
+from puma_septic.trajectory import Trajectory
+
+__all__ = ["cubic_spline", "cubic_spline_free_knots", "quintic_spline", "septic_spline"]
+
+
+def cubic_spline(
+    points: ArrayLike,
+    times: ArrayLike,
+    *,
+    start_velocity: ArrayLike | None = None,
+    end_velocity: ArrayLike | None = None,
+    joint_names: Sequence[str] | None = None,
+) -> Trajectory:
+    """The clamped cubic spline: velocity and acceleration continuous at the vias, velocity given at both
+    ends.
+
+    Among all curves through the points with these end velocities it has the least integral of acceleration^2.
+    At the ends the acceleration steps from rest, so the jerk is unbounded there (Biagiotti and Melchiorri,
+    Trajectory Planning for Automatic Machines and Robots, section 4.4.1).
+
+    Parameters
+    ----------
+    points : array_like, shape (k, n_joints)
+        At least two, rad (m for prismatic joints).
+    times : array_like, shape (k,)
+        Strictly increasing, s.
+    start_velocity, end_velocity : array_like, optional
+        Shape () or (n_joints,), rad/s; zero where not given.
+    joint_names : sequence of str, optional
+
+    Raises
+    ------
+    InputError
+        For fewer than two points, times that do not increase or are too uneven, non-finite or misshapen
+        arrays.
+
+    Examples
+    --------
+    Two cubics that meet at 45 deg/s (Williams 2013):
+
+    >>> from puma_septic import profiles
+    >>> move = profiles.cubic_spline([[30.0], [180.0], [120.0]], [0.0, 1.5, 3.0])
+    >>> float(move(1.5, order=1)[0])
+    45.0
+    """
+    vias = checked_points("cubic_spline", points)
+    instants = checked_via_times(times, vias)
+    start = boundary("start_velocity", start_velocity, vias.shape[1], "rad/s")
+    end = boundary("end_velocity", end_velocity, vias.shape[1], "rad/s")
+    conditions = through(instants, vias) + at_ends(instants, 1, start, end)
+    return Trajectory(
+        position=solve_segments(instants, [3] * (len(vias) - 1), 2, conditions),
+        points=vias,
+        times=instants,
+        profile="cubic_spline",
+        joint_names=named(joint_names),
+    )
+
+
+def cubic_spline_free_knots(
+    points: ArrayLike,
+    times: ArrayLike,
+    *,
+    free_knots: ArrayLike | None = None,
+    joint_names: Sequence[str] | None = None,
+) -> Trajectory:
+    """The cubic spline with velocity and acceleration zero at both ends, made possible by two further knots.
+
+    One knot in the first and one in the last segment, through no given point: there as at the vias, velocity
+    and acceleration are continuous; the jerk is a staircase (Lin, Chang and Luh, Formulation and Optimization
+    of Cubic Polynomial Joint Trajectories for Industrial Robots, 1983; Biagiotti and Melchiorri, section
+    4.4.4).
+
+    Parameters
+    ----------
+    points : array_like, shape (k, n_joints)
+        At least three, rad (m for prismatic joints).
+    times : array_like, shape (k,)
+        Strictly increasing, s.
+    free_knots : array_like, shape (2,), optional
+        One time strictly inside the first and one strictly inside the last segment, s; their middles where
+        not given.
+    joint_names : sequence of str, optional
+
+    Raises
+    ------
+    InputError
+        For fewer than three points, a free knot outside its segment, times that do not increase or are too
+        uneven, non-finite or misshapen arrays.
+
+    Examples
+    --------
+    >>> from puma_septic import profiles
+    >>> move = profiles.cubic_spline_free_knots([[0.0], [1.0], [0.5]], [0.0, 1.0, 2.0])
+    >>> move.breaks.tolist(), move([0.0, 2.0], order=2).round(12).ravel().tolist()
+    ([0.0, 0.5, 1.0, 1.5, 2.0], [0.0, 0.0])
+    """
+    vias = checked_points("cubic_spline_free_knots", points, at_least=3)
+    instants = checked_via_times(times, vias)
+    knots = _free_knots(instants, free_knots)
+    breaks = np.sort(np.concatenate([instants, knots]))
+    rest = np.zeros(vias.shape[1])
+    conditions = through(instants, vias) + at_ends(instants, 1, rest, rest) + at_ends(instants, 2, rest, rest)
+    return Trajectory(
+        position=solve_segments(breaks, [3] * (len(breaks) - 1), 2, conditions),
+        points=vias,
+        times=instants,
+        profile="cubic_spline_free_knots",
+        joint_names=named(joint_names),
+    )
+
+
+def _free_knots(times: Array, given: ArrayLike | None) -> Array:
+    """The two free knots, each inside its segment."""
+    if given is None:
+        return (times[[0, -2]] + times[[1, -1]]) / 2
+    knots = checked_array("free_knots", given, (2,), unit="s")
+    for i, (left, right) in enumerate((times[:2], times[-2:])):
+        if not left < knots[i] < right:
+            which = "last" if i else "first"
+            raise InputError(
+                f"free_knots[{i}] = {knots[i]:g} s must lie inside the {which} segment,"
+                f" between {left:g} and {right:g} s"
+            )
+    return knots
+
+
+def quintic_spline(
+    points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | None = None
+) -> Trajectory:
+    """The quintic spline from rest to rest: continuous to the fourth derivative at the vias.
+
+    Of all curves through the points with velocity and acceleration zero at both ends, the one with the least
+    integral of jerk^2 (the minimum-jerk principle of Flash and Hogan, The Coordination of Arm Movements,
+    1985, with via points at given times). The jerk steps at both ends only.
+
+    Parameters
+    ----------
+    points : array_like, shape (k, n_joints)
+        At least two, rad (m for prismatic joints).
+    times : array_like, shape (k,)
+        Strictly increasing, s.
+    joint_names : sequence of str, optional
+
+    Raises
+    ------
+    InputError
+        For fewer than two points, times that do not increase or are too uneven, non-finite or misshapen
+        arrays.
+
+    Examples
+    --------
+    >>> from puma_septic import profiles
+    >>> move = profiles.quintic_spline([[0.0], [1.0], [0.5]], [0.0, 1.0, 2.0])
+    >>> move.jumps(3).times.tolist()
+    [0.0, 2.0]
+    """
+    return _rest_spline("quintic_spline", points, times, joint_names, order=2)
+
+
+def septic_spline(
+    points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | None = None
+) -> Trajectory:
+    """The septic spline from rest to rest: continuous to the sixth derivative at the vias.
+
+    Of all curves through the points with velocity, acceleration and jerk zero at both ends, the one with the
+    least integral of snap^2 (Mellinger and Kumar, Minimum Snap Trajectory Generation and Control for
+    Quadrotors, 2011). The jerk is continuous, at rest too.
+
+    Parameters
+    ----------
+    points : array_like, shape (k, n_joints)
+        At least two, rad (m for prismatic joints).
+    times : array_like, shape (k,)
+        Strictly increasing, s.
+    joint_names : sequence of str, optional
+
+    Raises
+    ------
+    InputError
+        For fewer than two points, times that do not increase or are too uneven, non-finite or misshapen
+        arrays.
+
+    Examples
+    --------
+    >>> from puma_septic import profiles
+    >>> move = profiles.septic_spline([[0.0], [1.0], [0.5]], [0.0, 1.0, 2.0])
+    >>> len(move.jumps(3).times)
+    0
+    """
+    return _rest_spline("septic_spline", points, times, joint_names, order=3)
+
+
+def _rest_spline(
+    profile: str, points: ArrayLike, times: ArrayLike, joint_names: Sequence[str] | None, *, order: int
+) -> Trajectory:
+    """The spline of degree 2 order + 1 whose derivatives up to `order` vanish at both ends."""
+    vias = checked_points(profile, points)
+    instants = checked_via_times(times, vias)
+    rest = np.zeros(vias.shape[1])
+    conditions = through(instants, vias)
+    for k in range(1, order + 1):
+        conditions += at_ends(instants, k, rest, rest)
+    return Trajectory(
+        position=solve_segments(instants, [2 * order + 1] * (len(vias) - 1), 2 * order, conditions),
+        points=vias,
+        times=instants,
+        profile=profile,
+        joint_names=named(joint_names),
+    )

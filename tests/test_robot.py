@@ -11,7 +11,7 @@ from urdf_texts import ARM, load, replaced
 
 import puma_septic as ps
 
-# example-robot-data 6, which comes with the `pin` wheels: files only, no Python module.
+# example-robot-data 6 has files only, no Python module; they lie under the same prefix as Pinocchio.
 ROBOTS = Path(pin.__file__).parents[4] / "share" / "example-robot-data" / "robots"
 UR5 = ROBOTS / "ur_description" / "urdf" / "ur5_robot.urdf"
 PANDA = ROBOTS / "panda_description" / "urdf" / "panda.urdf"

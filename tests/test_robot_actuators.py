@@ -27,7 +27,9 @@ def test_default_set_gives_drives_limits_and_tool(tmp_path: Path) -> None:
 
 
 def test_limit_set_replaces_the_urdfs_and_leaves_the_rest_unknown(tmp_path: Path) -> None:
-    limits = load(tmp_path, ARM, DRIVES).limits
+    robot = load(tmp_path, replaced('effort="50"', 'effort="0"'), DRIVES)
+    limits = robot.limits
+    assert not any("the URDF gives no effort" in note for note in robot.notes)
     np.testing.assert_array_equal(limits.effort, [40.0, NAN])
     np.testing.assert_array_equal(limits.velocity, [NAN, NAN])
     assert limits.position.tolist() == [[-2.0, 2.0], [-1.0, 1.0]]  # the first is the URDF's

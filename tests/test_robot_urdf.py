@@ -95,7 +95,7 @@ ACCEPTED_WRONG = {
     "joint name universe": ('name="elbow"', 'name="universe"', "'universe' is Pinocchio's name"),
     "joint name long": ('name="elbow"', f'name="{"e" * 201}"', "at most 200 printable characters"),
     "joint name control": ('name="elbow"', 'name="el&#10;bow"', "printable characters"),
-    "namespace tag": ("</robot>", "<xacro:arm/></robot>", "not well-formed|xacro source"),
+    "namespace tag": ("</robot>", "<xacro:arm/></robot>", "<xacro:arm>: this is a xacro source; run xacro"),
     "sphere negative": (
         '<link name="tip"/>',
         '<link name="tip"><visual><geometry><sphere radius="-1"/></geometry></visual></link>',

@@ -96,7 +96,7 @@ def load_robot(
         _lock(urdf, name, position)
     model = _pinocchio_model(urdf, down)
     geometry, missing_meshes = confined_geometry(urdf, package_dirs)
-    urdf_limits, limit_notes = _urdf_limits(urdf)
+    chosen_limits, limit_notes = _limits(file, limits, urdf)
     chosen_tool, tool_notes = _tool(tool, file, urdf)
     robot = Robot(
         name=urdf.name,
@@ -104,7 +104,7 @@ def load_robot(
         joint_names=urdf.moving,
         tool=chosen_tool,
         actuators=tuple(drives.actuators[name] for name in urdf.moving),
-        limits=_limits(file, limits, urdf_limits, urdf),
+        limits=chosen_limits,
         geometry=geometry,
         missing_meshes=missing_meshes,
         notes=(*drives.notes, *urdf.notes, *massless_notes(model, urdf), *limit_notes, *tool_notes),
@@ -153,12 +153,13 @@ def _parameter_set(file: ActuatorFile | None, name: str | None, urdf: Urdf) -> P
     )
 
 
-def _limits(file: ActuatorFile | None, name: str | None, urdf_limits: Limits, urdf: Urdf) -> Limits:
-    if file is not None:
-        return file.limit_set(name, urdf_limits, urdf.moving)
-    if name is not None:
+def _limits(file: ActuatorFile | None, name: str | None, urdf: Urdf) -> tuple[Limits, tuple[str, ...]]:
+    """The named set, else the actuator file's default, else the URDF's own with what is unknown there."""
+    own, notes = _urdf_limits(urdf)
+    if file is None and name is not None:
         raise InputError(f"limits {name!r}: there are no named sets without an actuator file (actuators=...)")
-    return urdf_limits
+    chosen = own if file is None else file.limit_set(name, own, urdf.moving)
+    return chosen, notes if chosen is own else ()
 
 
 def _apply(drives: ParameterSet, urdf: Urdf, path: Path | None) -> None:

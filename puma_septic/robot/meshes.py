@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import final
 from urllib.parse import unquote
@@ -33,7 +33,7 @@ class Geometry:
         The robot's own folders.
     """
 
-    urdf: str
+    urdf: str = field(repr=False)
     roots: tuple[Path, ...]
 
     def build(self, model: pin.Model, kind: pin.GeometryType) -> pin.GeometryModel:

@@ -27,6 +27,7 @@ __all__ = [
     "check_inertia",
     "coulomb_torque",
     "inverse_dynamics",
+    "mass_matrix",
     "smooth_terms",
     "smooth_torque",
     "torque_terms",
@@ -158,6 +159,16 @@ def coulomb_torque(robot: Robot, sign: Array) -> Array:
     return np.where(sign > 0, positive, np.where(sign < 0, negative, 0.0))
 
 
+def mass_matrix(robot: Robot, q: Array) -> Array:
+    """Joint-space inertia ``M(q)``, rotors and payload included, shape (n, n_joints, n_joints), for a checked q.
+
+    kg m^2 between revolute joints, kg between prismatic ones; by the composite-rigid-body algorithm.
+    """
+    data = robot.model.createData()
+    full = [pin.crba(robot.model, data, row).copy() for row in robot.configurations(q)]
+    return np.array([robot.from_tangents(robot.from_tangents(matrix).T) for matrix in full])
+
+
 def check_inertia(robot: Robot) -> None:
     """Raise a ModelError if a moving part has no inertia: its torque would silently be zero."""
     if robot.missing_inertia:
@@ -206,4 +217,4 @@ def _wrench_torque(robot: Robot, q: Array) -> Array:
     if robot.wrench.axes == "tool":
         rotation = forward_kinematics(robot, q)[:, :3, :3]
         force, torque = rotation @ robot.wrench.force, rotation @ robot.wrench.torque
-    return np.einsum("nij,ni->nj", jacobian(robot, q), np.concatenate([force, torque], axis=1))
+    return np.asarray(np.einsum("nij,ni->nj", jacobian(robot, q), np.concatenate([force, torque], axis=1)))

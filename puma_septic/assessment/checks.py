@@ -46,7 +46,8 @@ class LimitCheck:
     margin : float
         ``1 - demand / limit``; for positions the distance to the bound in rad (or m). Negative where violated.
     utilisation : float
-        ``demand / limit``; for positions the distance from the middle of the range over half the range.
+        ``demand / limit``; for positions the distance from the middle of the range over half the range (where only one
+        bound is known: 0 within it, infinite beyond).
     """
 
     joint: str
@@ -78,7 +79,7 @@ def limit_checks(
     """Every demand whose limit is known, joint by joint; `demands` maps a quantity to magnitudes and instants."""
     checks = []
     for j, joint in enumerate(robot.joint_names):
-        if not np.isnan(robot.limits.position[j]).any():
+        if not np.isnan(robot.limits.position[j]).all():
             checks.append(_position_check(robot, j, position))
         for quantity, (demand, time) in demands.items():
             limit = float(getattr(robot.limits, quantity)[j])
@@ -103,10 +104,15 @@ def _position_check(robot: Robot, j: int, position: Extrema) -> LimitCheck:
     """The bound that a joint comes nearest to, or exceeds most."""
     lower, upper = robot.limits.position[j]
     below, above = position.min[j] - lower, upper - position.max[j]
-    at_lower = below < above
-    demand, time, limit = (
-        (position.min[j], position.t_min[j], lower) if at_lower else (position.max[j], position.t_max[j], upper)
+    at_lower = np.isnan(above) or below < above
+    demand, time, limit, margin = (
+        (position.min[j], position.t_min[j], lower, below)
+        if at_lower
+        else (position.max[j], position.t_max[j], upper, above)
     )
+    utilisation = abs(demand - (lower + upper) / 2) / ((upper - lower) / 2)
+    if np.isnan(utilisation):
+        utilisation = 0.0 if margin >= -_ROUNDING else np.inf
     return LimitCheck(
         joint=robot.joint_names[j],
         quantity="position",
@@ -114,8 +120,8 @@ def _position_check(robot: Robot, j: int, position: Extrema) -> LimitCheck:
         limit=float(limit),
         unit=UNITS["position"][int(robot.is_prismatic[j])],
         time=float(time),
-        margin=float(min(below, above)),
-        utilisation=float(abs(demand - (lower + upper) / 2) / ((upper - lower) / 2)),
+        margin=float(margin),
+        utilisation=float(utilisation),
     )
 
 

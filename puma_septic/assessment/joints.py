@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TypedDict, final
 
 import numpy as np
 
 from puma_septic.checks import Array
-from puma_septic.dynamics import inverse_dynamics, smooth_terms
+from puma_septic.dynamics import inverse_dynamics, mass_matrix
 from puma_septic.motion import Motion
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["JointMetrics", "PowerMetrics", "joint_metrics", "power_metrics"]
+
+# Joints whose mass matrix entry is below this part of the geometric mean of both diagonal ones are not coupled.
+_COUPLED = 1e-12
 
 
 class JointMetrics(TypedDict):
@@ -50,12 +54,13 @@ def joint_metrics(motion: Motion, dwell: float) -> JointMetrics:
     cycle = trajectory.duration + dwell
     (v, t_v), (a, t_a), (j, t_j) = (trajectory.peak(order) for order in (1, 2, 3))
     torque = motion.torque.extrema()
-    struck = struck_joints(motion)
+    blow_time, blow_sign = first_blows(motion)
+    struck = ~np.isnan(blow_time)
     square = motion.torque.inner(motion.torque)
     if dwell:
         square = square + holding_torque(motion) ** 2 * dwell
-    first_blow = trajectory.jumps(1).times[0] if struck.any() else 0.0
-    return JointMetrics(
+    sign = np.where(np.abs(torque.min) > np.abs(torque.max), -1.0, 1.0)
+    metrics = JointMetrics(
         peak_velocity=v,
         peak_velocity_time=t_v,
         peak_acceleration=a,
@@ -63,13 +68,22 @@ def joint_metrics(motion: Motion, dwell: float) -> JointMetrics:
         peak_jerk=j,
         peak_jerk_time=t_j,
         peak_torque=np.where(struck, np.inf, torque.peak),
-        peak_torque_time=np.where(struck, first_blow, torque.t_peak),
-        peak_torque_sign=np.where(np.abs(torque.min) > np.abs(torque.max), -1.0, 1.0),
+        peak_torque_time=np.where(struck, blow_time, torque.t_peak),
+        peak_torque_sign=np.where(struck, blow_sign, sign),
         rms_velocity=_rms(trajectory, 1, v, cycle),
         rms_acceleration=_rms(trajectory, 2, a, cycle),
         rms_jerk=_rms(trajectory, 3, j, cycle),
         rms_torque=np.where(struck, np.inf, np.sqrt(square / cycle)),
     )
+    _freeze(metrics.values())
+    return metrics
+
+
+def _freeze(arrays: Iterable[object]) -> None:
+    """Forbid writing to arrays that this module has just made."""
+    for array in arrays:
+        assert isinstance(array, np.ndarray)
+        array.setflags(write=False)
 
 
 def _rms(trajectory: Trajectory, order: int, peak: Array, cycle: float) -> Array:
@@ -77,20 +91,23 @@ def _rms(trajectory: Trajectory, order: int, peak: Array, cycle: float) -> Array
     return np.where(np.isinf(peak), np.inf, np.sqrt(derivative.inner(derivative) / cycle))
 
 
-def struck_joints(motion: Motion) -> Array:
-    """Joints whose torque is unbounded, shape (n_joints,).
+def first_blows(motion: Motion) -> tuple[Array, Array]:
+    """When each joint's torque is first unbounded, s, and with which sign; NaN and 0 where never. Shape (n_joints,).
 
-    A step dv of the velocity takes the impulse ``M(q) dv``; it acts on every joint that is coupled to one that steps.
+    A step dv of the velocity takes the impulse ``M(q) dv``: it strikes every joint that is coupled to one that steps.
     """
+    times, signs = np.full(motion.robot.n_joints, np.nan), np.zeros(motion.robot.n_joints)
     jumps = motion.trajectory.jumps(1)
     if not len(jumps.times):
-        return np.zeros(motion.robot.n_joints, dtype=bool)
-    q = motion.trajectory(jumps.times)
-    rest = np.zeros_like(q)
-    struck, still = (smooth_terms(motion.robot, q, rest, a) for a in (jumps.sizes, rest))
-    impulse = np.abs(sum(struck[name] - still[name] for name in ("inertia", "rotor", "payload")))
-    # A coupling below the rounding of the largest impulse is none.
-    return np.asarray((impulse > 1e-12 * impulse.max()).any(axis=0))
+        return times, signs
+    inertia = mass_matrix(motion.robot, motion.trajectory(jumps.times))
+    own = np.sqrt(np.diagonal(inertia, axis1=1, axis2=2))
+    coupled = np.abs(inertia) > _COUPLED * own[:, :, None] * own[:, None, :]
+    impulse = np.einsum("kij,kj->ki", np.where(coupled, inertia, 0.0), jumps.sizes)
+    for time, size in zip(jumps.times, impulse, strict=True):
+        new = np.isnan(times) & (size != 0)
+        times[new], signs[new] = time, np.sign(size[new])
+    return times, signs
 
 
 def holding_torque(motion: Motion) -> Array:
@@ -101,15 +118,20 @@ def holding_torque(motion: Motion) -> Array:
 
 
 def power_metrics(motion: Motion) -> PowerMetrics:
-    """Peaks of the power, and its integral over the parts where it is positive and where it is negative."""
+    """Peaks of the power, and its integral over the parts where it is positive and where it is negative.
+
+    The work of a step in velocity is not in the energies: it depends on how a real drive would smooth it.
+    """
     power = motion.power
     extrema = power.extrema()
     power = power.split(np.concatenate(power.roots()))
     work = np.diff(power.integral()(power.breaks), axis=0)
-    struck = struck_joints(motion)
-    return PowerMetrics(
+    struck = ~np.isnan(first_blows(motion)[0])
+    metrics = PowerMetrics(
         peak_power=np.where(struck, np.inf, np.maximum(extrema.max, 0.0)),
         peak_regenerated_power=np.where(struck, np.inf, np.maximum(-extrema.min, 0.0)),
         energy_in=np.maximum(work, 0.0).sum(axis=0),
         energy_out=np.maximum(-work, 0.0).sum(axis=0),
     )
+    _freeze(getattr(metrics, name) for name in metrics.__slots__)
+    return metrics

@@ -190,9 +190,12 @@ def assess(what: Motion | Robot, trajectory: Trajectory | None = None, *, dwell:
     >>> result.is_feasible, result.worst.joint
     (True, 'joint1')
     """
-    if isinstance(what, Motion) == (trajectory is not None):
+    if isinstance(what, Motion) and trajectory is None:
+        motion = what
+    elif isinstance(what, Robot) and trajectory is not None:
+        motion = compute_motion(what, trajectory)
+    else:
         raise InputError("assess takes either a motion, or a robot and a trajectory")
-    motion = what if isinstance(what, Motion) else compute_motion(what, trajectory)
     dwell = checked_number("dwell", dwell, unit="s", at_least=0.0)
     return Assessment(motion=motion, dwell=dwell, **joint_metrics(motion, dwell))
 
@@ -200,7 +203,7 @@ def assess(what: Motion | Robot, trajectory: Trajectory | None = None, *, dwell:
 def _static_friction_remarks(assessment: Assessment) -> tuple[str, ...]:
     """Joints that rest for a while, where static friction may carry any torque within its band."""
     robot, still = assessment.motion.robot, assessment.motion.still
-    resting = still.any(axis=0) | (assessment.dwell > 0)
+    resting = np.asarray(still.any(axis=0) | (assessment.dwell > 0))
     bands = [
         f"{name} [{negative:.3g}, {positive:.3g}]"
         for name, rests, (positive, negative) in zip(robot.joint_names, resting, robot.coulomb_friction, strict=True)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from puma_septic.assessment.checks import QUANTITIES, LimitCheck
-from puma_septic.checks import Array
 from puma_septic.tables import text_table
 
 if TYPE_CHECKING:  # the value that these texts describe stands one file up in this room
@@ -23,7 +22,9 @@ _PER_JOINT: Final = (
     "peak_torque", "peak_torque_time", "peak_torque_sign", "rms_velocity", "rms_acceleration", "rms_jerk", "rms_torque",
     "peak_power", "peak_regenerated_power", "energy_in", "energy_out", "overshoot",
 )  # fmt: skip
-_TOOL: Final = ("peak_speed", "peak_speed_time", "peak_acceleration", "peak_acceleration_time", "height_range", "height_times")
+_TOOL: Final = (
+    "peak_speed", "peak_speed_time", "peak_acceleration", "peak_acceleration_time", "height_range", "height_times",
+)  # fmt: skip
 
 
 def verdict(assessment: Assessment) -> str:

@@ -9,13 +9,16 @@ import numpy as np
 
 from puma_septic.checks import Array
 from puma_septic.kinematics import tool_motion
-from puma_septic.kinematics.singularity import singularity_distances, singularity_names
+from puma_septic.kinematics.singularity import singularity_distances, singularity_names, singularity_scales
 from puma_septic.motion import Motion
 from puma_septic.piecewise import Piecewise
+from puma_septic.robot import Robot
+from puma_septic.trajectory import Trajectory
 
 __all__ = ["SingularityReport", "ToolMetrics", "tool_metrics"]
 
-# A measure that touches zero without changing sign is taken to be zero below this part of its largest value.
+# A measure is taken to be zero below this part of its natural size: far above the noise of a fit or of an inverse
+# kinematics, far below any distance that matters.
 _ZERO = 1e-9
 
 
@@ -33,7 +36,7 @@ class SingularityReport:
     time : float
         When, s.
     crossings : ndarray, shape (k,)
-        Instants at which the arm passes through the singularity, s.
+        Instants at which the arm passes through the singularity or touches it, s; where it stays, the first one.
     """
 
     kind: str
@@ -50,7 +53,7 @@ class ToolMetrics:
     Attributes
     ----------
     peak_speed, peak_speed_time : float
-        m/s and s; infinite where the velocity is not defined because a position steps.
+        m/s and s.
     peak_acceleration, peak_acceleration_time : float
         m/s^2 and s; infinite where a joint velocity steps.
     height_range : tuple of float
@@ -90,25 +93,33 @@ def tool_metrics(motion: Motion) -> ToolMetrics:
         peak_acceleration_time=float(extrema.t_max[2] if bounded else np.nanmin(step)),
         height_range=(float(extrema.min[0]), float(extrema.max[0])),
         height_times=(float(extrema.t_min[0]), float(extrema.t_max[0])),
-        singularities=_singularities(singularity_names(robot), series),
+        singularities=_singularities(robot, trajectory, series),
     )
 
 
-def _singularities(kinds: tuple[str, ...], series: Piecewise) -> tuple[SingularityReport, ...]:
+def _singularities(robot: Robot, trajectory: Trajectory, series: Piecewise) -> tuple[SingularityReport, ...]:
+    kinds = singularity_names(robot)
     first = series.n_components - len(kinds)
     distances = Piecewise(breaks=series.breaks, coefficients=series.coefficients[:, :, first:])
     extrema = distances.extrema()
-    pieces = distances.split(np.concatenate(distances.roots()))
-    sign = pieces.signs()
+    zero = _ZERO * singularity_scales(robot, trajectory(trajectory.breaks[[0, -1]]))
+    candidates = zip(distances.roots(), distances.derivative().roots(), strict=True)
     reports = []
-    for k, kind in enumerate(kinds):
+    for k, (kind, times) in enumerate(zip(kinds, candidates, strict=True)):
+        crossings = _zeros(distances, k, np.concatenate(times), zero[k])
         low, high = extrema.min[k], extrema.max[k]
         at_low = abs(low) <= abs(high)
         least, time = (abs(low), extrema.t_min[k]) if at_low else (abs(high), extrema.t_max[k])
-        crossings = pieces.breaks[1:-1][sign[:-1, k] * sign[1:, k] < 0]
         if len(crossings):
             least, time = 0.0, crossings[0]
-        elif least <= _ZERO * extrema.peak[k]:
-            crossings = np.array([time])
         reports.append(SingularityReport(kind=kind, least_distance=float(least), time=float(time), crossings=crossings))
     return tuple(reports)
+
+
+def _zeros(distances: Piecewise, k: int, inside: Array, zero: float) -> Array:
+    """Instants at which component k is zero: among sign changes, extrema and breaks; the first of each stretch."""
+    times: Array = np.sort(np.concatenate([distances.breaks, inside]))
+    times = times[np.abs(distances(times)[:, k]) <= zero]
+    between = distances((times[:-1] + times[1:]) / 2)[:, k]
+    first = np.concatenate([[True], np.abs(between) > zero])
+    return np.asarray(times[first[: len(times)]])

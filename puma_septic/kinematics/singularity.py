@@ -10,14 +10,14 @@ from puma_septic.kinematics.forward import jacobian
 from puma_septic.kinematics.puma import SINGULARITIES, branch_values, puma_geometry
 from puma_septic.robot import Robot
 
-__all__ = ["singularity_distances", "singularity_names"]
+__all__ = ["singularity_distances", "singularity_names", "singularity_scales"]
 
 
 def singularity_names(robot: Robot) -> tuple[str, ...]:
     """What `singularity_distances` measures for this arm.
 
-    "shoulder", "elbow" and "wrist" for an arm with a PUMA's joints; otherwise "determinant" for six joints and
-    "manipulability" for any other number.
+    "shoulder", "elbow" and "wrist" for an arm with a PUMA's joints; otherwise "determinant" for six joints
+    and "manipulability" for any other number.
     """
     if puma_geometry(chain_to(robot)) is not None:
         return SINGULARITIES
@@ -27,19 +27,35 @@ def singularity_names(robot: Robot) -> tuple[str, ...]:
 def singularity_distances(robot: Robot, q: Array) -> Array:
     """Measures that are zero at singular postures, shape (n, len(singularity_names(robot))), smooth in q.
 
-    For a PUMA they are signed: the wrist centre's distance in front of joint 1's axis (m), the sine of the angle between
-    upper arm and forearm, and sin(q5). For other arms with six joints ``det J``, signed; for any other number of joints
-    the square of Yoshikawa's manipulability, ``det(J J^T)``, or ``det(J^T J)`` below six, never negative.
+    For a PUMA they are signed: the wrist centre's distance in front of joint 1's axis (m), the sine of the
+    angle between upper arm and forearm, and sin(q5). For other arms with six joints ``det J``, signed; for
+    any other number of joints the square of Yoshikawa's manipulability, ``det(J J^T)``, or ``det(J^T J)``
+    below six, never negative.
 
     Parameters
     ----------
     q : ndarray, shape (n, n_joints)
     """
-    geometry = puma_geometry(chain_to(robot))
+    chain = chain_to(robot)
+    geometry = puma_geometry(chain)
     if geometry is not None:
-        return branch_values(geometry, q.T).T
+        return branch_values(geometry, q.T[chain.columns]).T
     j = jacobian(robot, q)
     if robot.n_joints == 6:
         return np.asarray(np.linalg.det(j)[:, None])
     square = j @ j.transpose(0, 2, 1) if robot.n_joints > 6 else j.transpose(0, 2, 1) @ j
     return np.asarray(np.linalg.det(square)[:, None])
+
+
+def singularity_scales(robot: Robot, q: Array) -> Array:
+    """How large the measures could be, to tell a zero from rounding, shape (len(singularity_names(robot)),).
+
+    1 m and 1 for a PUMA; for other arms Hadamard's bound of the determinant, the product of the lengths of
+    the Jacobian's columns (squared for manipulability), the largest of the given configurations, shape (n,
+    n_joints).
+    """
+    names = singularity_names(robot)
+    if names == SINGULARITIES:
+        return np.ones(len(names))
+    bound = np.linalg.norm(jacobian(robot, q), axis=1).prod(axis=1).max(keepdims=True)
+    return bound if names == ("determinant",) else bound**2

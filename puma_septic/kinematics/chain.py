@@ -84,14 +84,11 @@ def frames(chain: Chain, q: Sequence[Array] | Array) -> Iterator[Array]:
     tree of branches, is computed once. A yielded frame holds until the next one is asked for: two buffers
     take turns, because fresh memory for every joint costs more than the arithmetic.
     """
-    values = [np.asarray(q[column]) for column in chain.columns]
-    turns = _cos_sin_of_all(values)
     shape = (1,) * np.ndim(q[0])
     frame = np.eye(4, 3).reshape(4, 3, *shape)
     spare = np.empty_like(frame)
-    for placement, slides, value, (c, s) in zip(
-        chain.placements, chain.prismatic, values, turns, strict=True
-    ):
+    for placement, column, slides in zip(chain.placements, chain.columns, chain.prismatic, strict=True):
+        value = np.ascontiguousarray(q[column])
         np.matmul(placement.T, frame.reshape(4, -1), out=spare.reshape(4, -1))
         frame, spare = spare, frame
         if frame.shape[2:] != value.shape:
@@ -102,6 +99,7 @@ def frames(chain: Chain, q: Sequence[Array] | Array) -> Iterator[Array]:
         if slides:
             frame[3] += frame[2] * value
         else:
+            c, s = cos_sin(value)
             np.multiply(frame[:2], s, out=spare[:2])
             frame[:2] *= c
             frame[0] += spare[1]
@@ -118,16 +116,6 @@ def cos_sin(angle: Array) -> tuple[Array, Array]:
     np.multiply(cosine, tangent, out=sine)
     cosine -= 1.0
     return cosine, sine
-
-
-def _cos_sin_of_all(angles: Sequence[Array]) -> list[tuple[Array, Array]]:
-    """Cosine and sine of arrays of several shapes in one go."""
-    if not angles:
-        return []
-    together = np.concatenate([angle.ravel() for angle in angles])
-    ends = np.cumsum([angle.size for angle in angles])[:-1]
-    cosines, sines = (np.split(part, ends) for part in cos_sin(together))
-    return [(c.reshape(a.shape), s.reshape(a.shape)) for c, s, a in zip(cosines, sines, angles, strict=True)]
 
 
 def end_frame(chain: Chain, q: Sequence[Array] | Array) -> Array:

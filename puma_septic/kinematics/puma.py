@@ -31,9 +31,9 @@ WRISTS: Final = ("noflip", "flip")
 CONFIGURATIONS: Final = tuple(
     f"{arm}-{elbow}-{wrist}" for arm in ARMS for elbow in ELBOWS for wrist in WRISTS
 )
-# Joint angles that several branches share stand once: how they broadcast to (arm, elbow, wrist).
-ROW_SHAPES: Final = ((2, 1, 1), (2, 2, 1), (2, 2, 1), (2, 2, 2), (2, 2, 2), (2, 2, 2))
-JOINT_OF_ROW: Final = np.repeat(np.arange(6), [np.prod(shape) for shape in ROW_SHAPES])
+# Joint angles that branches share stand once: first and last row, for how many elbows and wrists.
+ROWS: Final = ((0, 2, 1, 1), (2, 6, 2, 1), (6, 10, 2, 1), (10, 18, 2, 2), (18, 26, 2, 2), (26, 34, 2, 2))
+JOINT_OF_ROW: Final = np.repeat(np.arange(6), [end - start for start, end, _, _ in ROWS])
 SINGULARITIES: Final = ("shoulder", "elbow", "wrist")
 
 # A model belongs to the PUMA pattern if its placements agree this well; what is left is polished away.
@@ -166,9 +166,7 @@ def branches(geometry: PumaGeometry, wrist: Array, q4_near: Array | float) -> tu
 
 def by_joint(rows: Array) -> list[Array]:
     """Views of the rows, one per joint, that broadcast to (arm, elbow, wrist, n)."""
-    ends = np.cumsum([np.prod(shape) for shape in ROW_SHAPES])[:-1]
-    parts = zip(np.split(rows, ends), ROW_SHAPES, strict=True)
-    return [part.reshape(*shape, rows.shape[1]) for part, shape in parts]
+    return [rows[start:end].reshape(2, elbows, wrists, -1) for start, end, elbows, wrists in ROWS]
 
 
 def _set_arm(g: PumaGeometry, centre: Array, q1: Array, q2: Array, q3: Array) -> tuple[Array, Array]:
@@ -177,18 +175,16 @@ def _set_arm(g: PumaGeometry, centre: Array, q1: Array, q2: Array, q3: Array) ->
     Returns the distances to the shoulder's and the elbow's singularity, shape (n,).
     """
     x, y, z = centre
-    radius_squared = x * x + y * y
-    across_squared = np.maximum(radius_squared - g.d3**2, 0.0)
+    across_squared = np.maximum(x * x + y * y - g.d3**2, 0.0)
     height_squared = across_squared + z * z
-    across, height = np.sqrt(across_squared), np.sqrt(height_squared)
+    across = np.sqrt(across_squared)
     # The triangle of upper arm and forearm: how far along and beside the line to the wrist the elbow's axis
     # lies.
     along = (height_squared + (g.a2**2 - g.forearm**2)) / (2.0 * g.a2)
     beside = np.sqrt(np.maximum(height_squared - along * along, 0.0))
-    radius = np.sqrt(radius_squared)
-    heading, offset = _angle(y, x, radius), _angle(np.full_like(x, g.d3), across, radius)
-    rise, opening = _angle(z, across, height), _angle(beside, along, height)
-    bend = _angle(along - g.a2, beside, g.forearm)
+    heading, offset = np.arctan2(y, x), np.arctan2(g.d3, across)
+    rise, opening = np.arctan2(z, across), np.arctan2(beside, along)
+    bend = np.arctan2(along - g.a2, beside)
     straight = np.arctan2(g.a3, g.d4)
     q1[0], q1[1] = heading + offset, heading - offset + np.pi
     q2[0, 0], q2[0, 1] = rise + opening, rise - opening
@@ -218,8 +214,9 @@ def _set_wrist(
     q4[...], q5[...], q6[...] = _angle(-m23, -m13, length), _angle(sine, m33, 1.0), _angle(-m32, m31, length)
     if small.any():
         side, _, pose = np.nonzero(small)
-        free = (sine < FREE_SINE)[small]
-        q4[small] = np.where(free, np.broadcast_to(q4_near, sine.shape)[small], np.arctan2(-m23, -m13)[small])
+        from_pose = np.arctan2(-m23[side, 0, pose], -m13[small])
+        near = np.broadcast_to(q4_near, sine.shape)[small]
+        q4[small] = np.where(sine[small] < FREE_SINE, near, from_pose)
         q1, q23 = arm[0][side, 0, pose], arm[1][small]
         q5[small], q6[small] = _aligned_wrist(rotation[:, :, pose], q1, q23, q4[small])
     return np.asarray(sine)

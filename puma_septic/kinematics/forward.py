@@ -101,8 +101,8 @@ def jacobian(robot: Robot, q: ArrayLike) -> Array:
     --------
     >>> import puma_septic as ps
     >>> robot = ps.load_robot(tool="wrist_center")
-    >>> ps.jacobian(robot, [0, 0, 0, 0, 0, 0])[:3, 0].round(5)
-    array([0.15005, 0.4521 , 0.     ])
+    >>> ps.jacobian(robot, [0, 0, 0, 0, 0, 0])[:2, 0].round(5)
+    array([0.15005, 0.4521 ])
     """
     values = checked_joint_values(robot, "q", q)
     columns = jacobian_columns(robot, values.T)

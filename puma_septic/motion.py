@@ -115,7 +115,7 @@ def _check_joints(robot: Robot, trajectory: Trajectory) -> None:
         )
     if trajectory.joint_names and trajectory.joint_names != robot.joint_names:
         raise InputError(
-            f"the trajectory's joints {', '.join(trajectory.joint_names)} are not robot {robot.name!r}'s"
+            f"the trajectory's joints {', '.join(trajectory.joint_names)} are not those of robot {robot.name!r},"
             f" {', '.join(robot.joint_names)}, in this order"
         )
 

@@ -6,6 +6,7 @@ Nothing here uses a series or a root finder of the package: only values of a fun
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 
@@ -57,7 +58,7 @@ def _refined_maxima(f: Function, times: Array, values: Array) -> Array:
 def quadrature(f: Function, breaks: Array, panels: int = 40, order: int = 12) -> Array:
     """Integral of each component of f over the span by Gauss-Legendre panels, shape (m,)."""
     x, weights = np.polynomial.legendre.leggauss(order)
-    edges = np.concatenate([np.linspace(a, b, panels + 1)[:-1] for a, b in zip(breaks[:-1], breaks[1:], strict=True)])
+    edges = np.concatenate([np.linspace(a, b, panels + 1)[:-1] for a, b in pairwise(breaks)])
     edges = np.append(edges, breaks[-1])
     half = np.diff(edges)[:, None] / 2
     times = edges[:-1, None] + half * (x + 1)

@@ -1,0 +1,330 @@
+"""Torque and power along a trajectory: exact peaks, root mean squares, steps, and the traps on the way."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from arms import branched_arm, pendulum
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sampled import quadrature, refined_peak, reversals, torque_with_friction
+
+import puma_septic as ps
+from puma_septic.checks import Array
+from puma_septic.dynamics import TERMS
+
+# Table 1 and times of Raji, Asaolu, Akano, rad and s.
+POINTS = np.array(
+    [
+        [2.57, -0.7873, -1.2022, -3.1416, -1.9895, 0.5716],
+        [2.57, -0.1026, -0.5, -3.1416, -0.6026, 0.5716],
+        [-0.5716, -0.1026, -0.5, -3.1416, -0.6026, -2.57],
+        [-0.5716, -0.7873, -1.2022, -3.1416, -1.9895, -2.57],
+    ]
+)
+TIMES = np.array([0.0, 2.0, 6.0, 9.0])
+# What a motion promises: the fit stops at 1e-11 of each joint's largest torque, the rest is room.
+EXACT = 1e-9
+ROBOTS = Path(__import__("cmeel").__file__).parents[1] / "cmeel.prefix/share/example-robot-data/robots"
+
+
+@cache
+def paper(profile: str) -> ps.Trajectory:
+    if profile == "septic":
+        return ps.septic(POINTS, TIMES)
+    if profile == "lspb":
+        return ps.lspb(POINTS, durations=np.diff(TIMES), blend_time=1.0)
+    return ps.quintic_segments(POINTS, TIMES)
+
+
+@cache
+def ur5() -> ps.Robot:
+    return ps.load_robot(ROBOTS / "ur_description/urdf/ur5_robot.urdf")
+
+
+@cache
+def panda() -> ps.Robot:
+    fingers = {"panda_finger_joint1": 0.02, "panda_finger_joint2": 0.02}
+    return ps.load_robot(ROBOTS / "panda_description/urdf/panda.urdf", locked=fingers)
+
+
+def rms_torque(motion: ps.Motion) -> Array:
+    return np.sqrt(motion.torque.inner(motion.torque) / motion.trajectory.duration)
+
+
+def assert_exact(motion: ps.Motion, *, count: int, panels: int) -> None:
+    """Peak and RMS torque of every joint against samples refined locally and Gauss quadrature.
+
+    A joint whose torque is below the rounding of the largest one's, as where gravity does not act on it, is held to
+    that rounding: its torque is a difference of the others'.
+    """
+    torque, breaks = torque_with_friction(motion.robot, motion.trajectory)
+    peak = refined_peak(torque, breaks, count)
+    rms = np.sqrt(quadrature(lambda t: torque(t) ** 2, breaks, panels) / motion.trajectory.duration)
+    rounding = 1e-13 * peak.max()
+    assert (np.abs(motion.torque.extrema().peak - peak) <= EXACT * peak + rounding).all()
+    assert (np.abs(rms_torque(motion) - rms) <= EXACT * rms + rounding).all()
+
+
+# ---- exactness
+
+
+@pytest.mark.parametrize(("profile", "evaluations"), [("septic", 200), ("lspb", 800), ("quintic_segments", 800)])
+def test_peak_and_rms_torque_of_the_paper_s_move_are_exact(puma: ps.Robot, profile: str, evaluations: int) -> None:
+    motion = ps.compute_motion(puma, paper(profile))
+    assert motion.n_evaluations <= evaluations
+    # A million samples of the septic's whole; as dense on the others, which have more intervals.
+    assert_exact(motion, count=200_000 if profile == "septic" else 20_000, panels=200)
+
+
+def random_move(rng: np.random.Generator, n_joints: int) -> ps.Trajectory:
+    points = rng.uniform(-1.5, 1.5, (4, n_joints))
+    times = np.concatenate([[0.0], np.cumsum(rng.uniform(0.5, 3, 3))])
+    kind = rng.integers(3)
+    if kind == 0:
+        return ps.septic(points, times)
+    if kind == 1:
+        return ps.lspb(points, durations=np.diff(times), blend_time=float(rng.uniform(0.1, 0.5)))
+    velocities = rng.uniform(-1, 1, points.shape)
+    velocities[[0, -1]] = 0.0
+    return ps.quintic_segments(points, times, velocities=velocities)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_random_moves_of_random_branched_arms_are_exact(tmp_path: Path, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    arm = branched_arm(tmp_path, rng, int(rng.integers(2, 9)))
+    for _ in range(5):
+        assert_exact(ps.compute_motion(arm, random_move(rng, arm.n_joints)), count=1000, panels=30)
+
+
+@pytest.mark.parametrize("load", [ur5, panda])
+def test_random_moves_of_ur5_and_panda_are_exact(load) -> None:  # type: ignore[no-untyped-def]
+    rng = np.random.default_rng(7)
+    arm = load()
+    # Neither file knows the drives; friction is made up, so that reversals count.
+    drives = [ps.Actuator(gear_ratio=100.0, rotor_inertia=5e-5, viscous_friction=1e-4, coulomb_friction=[0.01, -0.02])]
+    arm = arm.with_actuators(drives * arm.n_joints)
+    for _ in range(8):
+        assert_exact(ps.compute_motion(arm, random_move(rng, arm.n_joints)), count=1000, panels=30)
+
+
+def test_the_torque_is_the_inverse_dynamics_at_every_instant(puma: ps.Robot) -> None:
+    loaded = puma.with_payload(ps.Payload(mass=2.5, com=[0, 0, 0.1])).with_wrench(
+        ps.Wrench(force=[5, 0, -3], torque=[0, 1, 0], axes="tool")
+    )
+    for profile in ("septic", "lspb", "quintic_segments"):
+        trajectory = paper(profile)
+        motion = ps.compute_motion(loaded, trajectory)
+        t = np.random.default_rng(1).uniform(*trajectory.breaks[[0, -1]], 3000)
+        expected = ps.inverse_dynamics(loaded, *(trajectory(t, order) for order in range(3)))
+        np.testing.assert_allclose(motion.torque(t), expected, rtol=0, atol=1e-8)
+
+
+# ---- the traps of friction
+
+
+def test_double_zeros_of_the_velocity_at_both_ends_are_no_reversals(puma: ps.Robot) -> None:
+    """A root finder on the velocity of the paper's septic returned 8.9999995 s as a reversal, with a wrong sign after.
+
+    Position, velocity and acceleration are given at both ends, so the velocity has a double zero there.
+    """
+    motion = ps.compute_motion(puma, paper("septic"))
+    # Joints 1 and 6 reverse once near each end of the turn, 2, 3 and 5 once at the middle: printed by profiles' extrema.
+    inner = motion.torque.breaks[1:-1]
+    found = reversals(lambda t: paper("septic")(t, 1)[:, [0, 1, 2, 4, 5]], TIMES[[0, -1]])
+    np.testing.assert_allclose(inner, found, rtol=0, atol=1e-9)
+    assert inner.min() > 1.0
+    assert inner.max() < 8.0
+    # Just inside both ends every moving joint has the friction of its direction.
+    for t, later in ((1e-6, 0.05), (9 - 1e-6, 9 - 0.05)):
+        sign = np.sign(paper("septic")(later, 1))
+        np.testing.assert_array_equal(
+            motion.torque_terms.coulomb(t), np.where(sign > 0, *puma.coulomb_friction.T) * (sign != 0)
+        )
+
+
+@pytest.mark.parametrize("profile", ["septic", "lspb", "quintic_segments"])
+@pytest.mark.parametrize("noise", [0.0, 1e-16, 4.4e-16])
+def test_a_joint_whose_points_agree_to_rounding_is_still(puma: ps.Robot, profile: str, noise: float) -> None:
+    """Joint 4 rests at -pi on the paper's move; inverse kinematics gives -pi and its neighbours, in some order.
+
+    Sampled differences of 4e-16 rad made its Coulomb friction chatter between 0.85 and -1.29 N m.
+    """
+    points = POINTS.copy()
+    points[:, 3] = -np.pi + noise * np.array([0.0, 1.0, -1.0, 1.0])
+    make = {
+        "septic": lambda: ps.septic(points, TIMES),
+        "lspb": lambda: ps.lspb(points, durations=np.diff(TIMES), blend_time=1.0),
+        "quintic_segments": lambda: ps.quintic_segments(points, TIMES),
+    }[profile]
+    motion = ps.compute_motion(puma, make())
+    assert motion.still[:, 3].all()
+    assert not motion.still[:, 0].all()
+    np.testing.assert_array_equal(motion.torque_terms.coulomb.coefficients[:, :, 3], 0.0)
+    assert motion.torque.extrema().peak[3] < 0.01
+
+
+def test_a_joint_that_rests_between_two_moves_is_still_there_only(puma: ps.Robot) -> None:
+    """On the paper's quintic segments joints 2, 3 and 5 wait from 2 to 6 s, joints 1 and 6 before and after."""
+    motion = ps.compute_motion(puma, paper("quintic_segments"))
+    np.testing.assert_array_equal(motion.torque.breaks, TIMES)
+    waits = np.zeros((3, 6), dtype=bool)
+    waits[[0, 2], 0] = waits[[0, 2], 5] = waits[1, [1, 2, 4]] = waits[:, 3] = True
+    np.testing.assert_array_equal(motion.still, waits)
+    coulomb = motion.torque_terms.coulomb
+    np.testing.assert_array_equal(coulomb(1.0)[[0, 3, 5]], 0.0)
+    np.testing.assert_array_equal(coulomb(4.0)[[1, 2, 3, 4]], 0.0)
+    np.testing.assert_allclose(coulomb(4.0)[[0, 5]], puma.coulomb_friction[[0, 5], 1], rtol=1e-15)
+
+
+def test_friction_has_the_sign_of_mid_interval_beside_every_reversal(puma: ps.Robot) -> None:
+    """Where a reversal falls between two times, the sign was once taken at the split itself, where it is rounding."""
+    motion = ps.compute_motion(puma, paper("septic"))
+    coulomb = motion.torque_terms.coulomb
+    for t in motion.torque.breaks[1:-1]:
+        for side in (t - 1e-9, t + 1e-9):
+            speed = paper("septic")(side, 1)
+            speed[3] = 0.0
+            expected = ps.torque_terms(puma, POINTS[0], speed, np.zeros(6)).coulomb
+            np.testing.assert_allclose(coulomb(side), expected, rtol=1e-15)
+
+
+def test_a_peak_may_stand_on_one_side_of_a_reversal(tmp_path: Path) -> None:
+    """Slowing down before a reversal, friction helps; the supremum is the left-hand limit, which no sample reaches.
+
+    A pendulum lifted to the horizontal and lowered again: at the top gravity takes m g l = 9.81 N m, friction adds 5
+    before it and takes 5 off after it; the motion is so slow that nothing else counts.
+    """
+    drives = "[parameters.test.joints.swing]\ngear_ratio = 100.0\nrotor_inertia = 0.0\nviscous_friction = 0.0\n"
+    arm = pendulum(tmp_path, drives=drives + "coulomb_friction = [0.05, -0.05]\n")
+    move = ps.quintic_segments([[0.0], [np.pi / 2], [0.0]], [0.0, 1e5, 2e5])
+    extrema = ps.compute_motion(arm, move).torque.extrema()
+    # Acceleration is 5.77 h / T^2 = 9e-10 rad/s^2, times 0.5 kg m^2; it is zero at the top.
+    np.testing.assert_allclose([extrema.max[0], extrema.t_max[0]], [9.81 + 5, 1e5], rtol=1e-9)
+
+
+def test_a_tiny_torque_is_as_exact_as_a_large_one(puma: ps.Robot) -> None:
+    """The fit once stopped when its tail was small beside joint 2's 60 N m; joint 6's 1e-5 N m was then noise."""
+    bare = [ps.Actuator()] * 6
+    motion = ps.compute_motion(puma.with_actuators(bare), paper("septic"))
+    torque, breaks = torque_with_friction(motion.robot, motion.trajectory)
+    peak = refined_peak(torque, breaks, 20_000)
+    assert peak.min() < 1e-4 * peak.max()
+    np.testing.assert_allclose(motion.torque.extrema().peak, peak, rtol=EXACT)
+
+
+# ---- steps
+
+
+def parabolic_blends(times: Array, points: Array, tb: float) -> ps.Trajectory:
+    """Straight line with parabolic blends from rest to rest: the acceleration steps four times."""
+    h, end = points[1] - points[0], times[1]
+    speed = h / (end - tb)
+    s = np.zeros((3, 3, len(h)))
+    s[0] = [points[0], points[0] + speed * tb / 2, points[1] - speed * tb / 2]
+    s[1] = [0 * h, speed * (end - 2 * tb), speed * tb]
+    s[2] = [speed * tb / 2, 0 * h, -speed * tb / 2]
+    position = ps.Piecewise.from_power([0.0, tb, end - tb, end], s)
+    return ps.Trajectory(position=position, points=points, times=times)
+
+
+def test_a_step_in_acceleration_makes_the_torque_step_and_the_jerk_infinite(tmp_path: Path) -> None:
+    """Blends of 1 s to 0.5 rad/s on a weightless pendulum: m l^2 a = 0.5 * 0.5 N m, then none, then its negative."""
+    arm = pendulum(tmp_path, gravity=(0.0, 0.0, 0.0))
+    move = parabolic_blends(np.array([0.0, 3.0]), np.array([[0.0], [1.0]]), 1.0)
+    motion = ps.compute_motion(arm, move)
+    np.testing.assert_allclose(motion.torque([0.5, 1.5, 2.5])[:, 0], [0.25, 0.0, -0.25], rtol=0, atol=1e-14)
+    np.testing.assert_allclose(motion.torque.jumps().sizes[:, 0], [-0.25, -0.25], rtol=1e-12)
+    assert move.peak(3)[0].tolist() == [np.inf]
+    assert_exact(motion, count=100, panels=2)
+
+
+# ---- laws
+
+
+@settings(max_examples=8)
+@given(seed=st.integers(0, 2**32 - 1), mass=st.floats(0, 5))
+def test_work_without_friction_is_the_change_of_energy(seed: int, mass: float) -> None:
+    """Rest to rest the kinetic energy is nothing; half way it is half v M v, rotors included, and gravity's is m g z."""
+    rng = np.random.default_rng(seed)
+    drives = [
+        ps.Actuator(gear_ratio=x.gear_ratio, rotor_inertia=x.rotor_inertia, viscous_friction=0, coulomb_friction=[0, 0])
+        for x in ps.load_robot().actuators
+    ]
+    robot = ps.load_robot().with_actuators(drives).with_payload(ps.Payload(mass=mass, com=[0, 0.1, 0.2]))
+    trajectory = random_move(rng, 6)
+    motion = ps.compute_motion(robot, trajectory)
+    t = trajectory.breaks[0] + trajectory.duration * rng.uniform(0.1, 1)
+    q, v = trajectory([trajectory.breaks[0], t]), trajectory([trajectory.breaks[0], t], 1)
+    # Pinocchio's own kinetic energy with rotors by hand, whatever it thinks of armatures.
+    model = robot.model.copy()
+    model.armature = np.zeros(6)
+    energy = [
+        pin.computeKineticEnergy(model, model.createData(), *state)
+        + pin.computePotentialEnergy(model, model.createData(), state[0])
+        + 0.5 * robot.armature @ state[1] ** 2
+        for state in zip(q, v, strict=True)
+    ]
+    work = motion.power.integral()(t).sum()
+    assert work == pytest.approx(energy[1] - energy[0], abs=1e-8 * max(1.0, np.abs(energy).max()))
+
+
+@settings(max_examples=8)
+@given(stretch=st.floats(1.1, 10))
+def test_stretching_time_divides_the_dynamic_torque_by_its_square(stretch: float) -> None:
+    """``tau(k) = g + (tau - g) / k^2`` without friction (Hollerbach 1984), and viscous friction falls as 1/k."""
+    robot = ps.load_robot()
+    slow = ps.compute_motion(robot, ps.septic(POINTS, TIMES * stretch)).torque_terms
+    fast = ps.compute_motion(robot, paper("septic")).torque_terms
+    t = np.linspace(0, 9, 40)
+    for name, power in {"gravity": 0, "coulomb": 0, "viscous": 1, "inertia": 2, "coriolis": 2, "rotor": 2}.items():
+        before, after = getattr(fast, name)(t[1:-1]), getattr(slow, name)(stretch * t[1:-1])
+        np.testing.assert_allclose(after, before / stretch**power, rtol=0, atol=1e-8)
+
+
+def test_the_split_sums_to_the_torque_on_the_whole_span(puma: ps.Robot) -> None:
+    robot = puma.with_payload(ps.Payload(mass=1.0)).with_wrench(ps.Wrench(force=[1, 2, 3], torque=[0, 0, 1]))
+    motion = ps.compute_motion(robot, paper("lspb"))
+    terms = motion.torque_terms
+    t = np.linspace(0, 9, 500)
+    np.testing.assert_allclose(sum(getattr(terms, name)(t) for name in TERMS), motion.torque(t), rtol=0, atol=1e-8)
+    np.testing.assert_allclose(terms.total(t), motion.torque(t), rtol=0, atol=1e-8)
+
+
+def test_power_is_torque_times_velocity(puma: ps.Robot) -> None:
+    motion = ps.compute_motion(puma, paper("lspb"))
+    t = np.linspace(0, 9, 501)
+    np.testing.assert_allclose(motion.power(t), motion.torque(t) * paper("lspb")(t, 1), rtol=0, atol=1e-11)
+
+
+def test_a_payload_changes_its_own_term_and_no_other(puma: ps.Robot) -> None:
+    empty, loaded = (
+        ps.compute_motion(robot, paper("septic")).torque_terms
+        for robot in (puma, puma.with_payload(ps.Payload(mass=2.5, com=[0, 0, 0.1])))
+    )
+    t = np.linspace(0, 9, 50)
+    for name in TERMS:
+        same = np.allclose(getattr(empty, name)(t), getattr(loaded, name)(t), rtol=0, atol=1e-9)
+        assert same == (name != "payload"), name
+
+
+def test_the_same_motion_twice_is_the_same_to_the_last_bit(puma: ps.Robot) -> None:
+    one, two = (ps.compute_motion(puma, paper("lspb")) for _ in range(2))
+    np.testing.assert_array_equal(one.torque.coefficients, two.torque.coefficients)
+
+
+# ---- what is refused
+
+
+def test_joints_that_do_not_match_are_named(puma: ps.Robot) -> None:
+    with pytest.raises(ps.InputError, match=r"trajectory has 2 joints, robot 'puma560' has 6: joint1, joint2"):
+        ps.compute_motion(puma, ps.quintic_segments([[0, 0], [1, 1]], [0, 1]))
+    swapped = ("joint2", "joint1", *puma.joint_names[2:])
+    with pytest.raises(ps.InputError, match=r"joints joint2, joint1.*are not those of robot 'puma560', joint1, joint2.*order"):
+        ps.compute_motion(puma, ps.septic(POINTS, TIMES, joint_names=swapped))
+    assert ps.compute_motion(puma, ps.septic(POINTS, TIMES, joint_names=puma.joint_names)).n_evaluations > 0

@@ -1,0 +1,165 @@
+"""From a YAML file to a Task; whatever is wrong with the file is an InputError that says where."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from pydantic import ValidationError
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent, NodeEvent
+
+from puma_septic.errors import InputError
+from puma_septic.task.schema import LIST, NUMBER, OWN_WORDS, Task, shortened
+
+__all__ = ["load_task", "make_task", "parse_task", "task_names"]
+
+# The built-in tasks are 2 KB long; a pure-Python YAML parser takes seconds for some 100 KB.
+MAX_BYTES: Final = 64_000
+MAX_DEPTH: Final = 16  # the schema needs five; the parser's recursion ends at some 300
+_FOLDER: Final = Path(__file__).resolve().parents[1] / "tasks"
+
+
+def task_names() -> tuple[str, ...]:
+    """Names of the built-in tasks.
+
+    Examples
+    --------
+    >>> task_names()
+    ('paper', 'paper-turned')
+    """
+    return tuple(sorted(path.stem for path in _FOLDER.glob("*.yaml")))
+
+
+def load_task(source: str | Path) -> Task:
+    """Read a task file (YAML 1.2), or a built-in task by its name.
+
+    Parameters
+    ----------
+    source : str or Path
+        "paper", "paper-turned", or the path of a .yaml or .yml file; paths in it are relative to its folder.
+
+    Raises
+    ------
+    InputError
+        For a file that is missing, over 64 kB, not UTF-8 or not YAML, has anchors, duplicate or unknown keys,
+        or values that are not valid; it names file, field, value and what would be valid.
+
+    Examples
+    --------
+    >>> task = load_task("paper")
+    >>> task.times, [profile.name for profile in task.profiles]
+    ((0.0, 2.0, 6.0, 9.0), ['septic', 'lspb', 'quintic_segments'])
+    """
+    path = Path(source)
+    if isinstance(source, str) and path.name == source and path.suffix not in (".yaml", ".yml"):
+        names = task_names()
+        if source not in names:
+            valid = ", ".join(map(repr, names))
+            raise InputError(f"unknown task {source!r}; valid: {valid}, or the path of a .yaml file")
+        path = _FOLDER / f"{source}.yaml"
+        return parse_task(_read(path), origin=f"built-in task {source!r}", folder=_FOLDER)
+    return parse_task(_read(path), origin=str(path), folder=path.resolve().parent)
+
+
+def parse_task(text: str, *, origin: str = "task", folder: str | Path = ".") -> Task:
+    """A task from YAML text; `origin` is what messages call it, relative paths in it begin at `folder`."""
+    return make_task(_parsed(text, origin), origin=origin, folder=folder)
+
+
+def make_task(data: Mapping[str, Any], *, origin: str = "task", folder: str | Path = ".") -> Task:
+    """A task from a mapping with a task file's keys, such as `Task.document` returns.
+
+    Raises
+    ------
+    InputError
+        Naming the field, its value and what would be valid.
+    """
+    try:
+        return Task.model_validate(data, context={"origin": origin, "folder": str(folder)})
+    except ValidationError as error:
+        raise InputError(f"{origin}: {_described(error)}") from error
+
+
+def _read(path: Path) -> str:
+    try:
+        if not path.is_file():
+            reason = "is not a file" if path.exists() else "does not exist"
+            raise InputError(f"{path}: this task file {reason}")
+        with path.open("rb") as stream:
+            data = stream.read(MAX_BYTES + 1)
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        raise InputError(f"{path}: cannot read this task file: {error}") from error
+    if len(data) > MAX_BYTES:
+        raise InputError(f"{path}: larger than the {MAX_BYTES:,} bytes that a task file may have")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: not UTF-8 text: {error.reason} at byte {error.start}") from error
+
+
+def _parsed(text: str, origin: str) -> Any:
+    """The YAML document as plain values; without anchors, which let a kilobyte grow to millions of values."""
+    try:
+        _refuse_growth(text, origin)
+        return YAML(typ="safe", pure=True).load(text)
+    except MarkedYAMLError as error:
+        reason = " ".join(str(error.problem or error.context).split())
+        raise InputError(f"{origin}, {_line(error.problem_mark)}: not valid YAML: {reason}") from error
+    except (YAMLError, ValueError, TypeError, RecursionError) as error:
+        if isinstance(error, InputError):
+            raise
+        # ValueError: an impossible date or a number of thousands of digits; TypeError: a list as a key.
+        raise InputError(f"{origin}: not valid YAML: {' '.join(str(error).split())}") from error
+
+
+def _refuse_growth(text: str, origin: str) -> None:
+    """Walk through the parser's events, before anything is built, for anchors and for depth."""
+    depth = 0
+    for event in YAML(typ="safe", pure=True).parse(text):
+        where = f"{origin}, {_line(event.start_mark)}"
+        if isinstance(event, NodeEvent) and (isinstance(event, AliasEvent) or event.anchor):
+            raise InputError(f"{where}: anchors and aliases (& and *) are not allowed")
+        depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
+        if depth > MAX_DEPTH:
+            raise InputError(f"{where}: nested more than {MAX_DEPTH} levels deep")
+
+
+def _line(mark: Any) -> str:
+    return f"line {mark.line + 1}, column {mark.column + 1}" if mark is not None else "at its end"
+
+
+# pydantic's own words where ours are shorter or name the file's terms.
+_MESSAGES: Final = {
+    "missing": "is missing",
+    "float_type": "expected a number",
+    "string_type": "expected text",
+    "tuple_type": "expected a list",
+    "dict_type": "expected a mapping",
+    "finite_number": "expected a finite number",
+}
+
+
+def _described(error: ValidationError) -> str:
+    """The first fault in one line, and how many more there are."""
+    faults = error.errors(include_url=False)
+    first = faults[0]
+    where = _field(first["loc"])
+    message = _MESSAGES.get(first["type"], first["msg"])
+    text = f"{where}{' ' if first['type'] == 'missing' else ': '}{message}" if where else message
+    if first["type"] not in ("missing", OWN_WORDS):
+        text += f", got {shortened(first['input'])}"
+    return text + (f" (and {len(faults) - 1} more)" if len(faults) > 1 else "")
+
+
+def _field(location: tuple[int | str, ...]) -> str:
+    """``points[2].position[1]`` for ("points", 2, "position", 1)."""
+    text = ""
+    for part in location:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        elif part not in (NUMBER, LIST):
+            text += f".{part}" if text else part
+    return text

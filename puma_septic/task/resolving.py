@@ -1,0 +1,245 @@
+"""From a Task to joint positions, trajectories and assessments."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from inspect import signature
+from typing import Any, final
+
+import numpy as np
+
+from puma_septic.assessment import Assessment, assess
+from puma_septic.checks import Array, checked_array, checked_choice, read_only
+from puma_septic.errors import InputError, ModelError, NoSolution
+from puma_septic.kinematics import forward_kinematics, inverse_kinematics
+from puma_septic.robot import Payload, Robot, Wrench, load_robot
+from puma_septic.task.branches import Branch, Posed, Waypoint, best_branch, branches_through
+from puma_septic.task.schema import Point, ProfileChoice, Task, profile_functions
+from puma_septic.trajectory import Trajectory
+
+__all__ = ["ResolvedTask", "assess_task", "pose", "resolve_task", "world_frame"]
+
+_WORLD = "world"
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class ResolvedTask:
+    """A task with its robot loaded, its poses solved and its trajectories made; see `resolve_task`.
+
+    Attributes
+    ----------
+    task : Task
+    robot : Robot
+        With the task's tool, limits, payload and wrench.
+    names : tuple of str
+        Of the points, as messages call them.
+    branches : tuple of Branch
+        All ways through the points; one where no point is a pose.
+    branch : Branch
+        The way that is taken.
+    times : ndarray, shape (k,)
+        s
+    trajectories : tuple of Trajectory
+        One for each profile of the task.
+    """
+
+    task: Task
+    robot: Robot
+    names: tuple[str, ...]
+    branches: tuple[Branch, ...]
+    branch: Branch
+    times: Array
+    trajectories: tuple[Trajectory, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "times", read_only(self.times))
+
+    @property
+    def points(self) -> Array:
+        """Joint positions at the points, shape (k, n_joints), rad (m)."""
+        return self.branch.q
+
+    @property
+    def has_poses(self) -> bool:
+        """Whether any point is a pose, so that there was a branch to choose."""
+        return any(point.joints is None for point in self.task.points)
+
+    @property
+    def broken_in_all_branches(self) -> tuple[tuple[str, str], ...]:
+        """Joint and point of each position limit that every branch breaks."""
+        always = np.all([branch.excess > 0 for branch in self.branches], axis=0)
+        return tuple((self.robot.joint_names[j], self.names[k]) for j, k in np.argwhere(always.T))
+
+
+def resolve_task(task: Task) -> ResolvedTask:
+    """Load the robot, solve the poses, choose the branch and make the trajectories.
+
+    Raises
+    ------
+    InputError
+        Naming file and field: an unknown robot, set, frame, branch or joint, a number of points that a
+        profile cannot take, and so on.
+    NoSolution
+        For a pose out of reach, naming the point, with the residual and the nearest joint positions.
+    ModelError
+        For a robot description that cannot be used.
+
+    Examples
+    --------
+    >>> from puma_septic.task import load_task
+    >>> resolved = resolve_task(load_task("paper"))
+    >>> resolved.branch.configuration, resolved.broken_in_all_branches
+    ('right-down-flip', (('joint5', 'take'), ('joint5', 'place')))
+    """
+    robot = _robot(task)
+    names = tuple(point.name or f"points[{k}]" for k, point in enumerate(task.points))
+    with _named(task, "frame"):
+        frame = world_frame(robot, task.frame)
+    branches = branches_through(robot, [_waypoint(robot, frame, task, k) for k in range(len(task.points))])
+    with _named(task, "branch"):
+        branch = best_branch(branches, task.branch)
+    times = np.array(task.times if task.times is not None else [0.0, *np.cumsum(task.durations or ())])
+    trajectories = []
+    for k, choice in enumerate(task.profiles):
+        with _named(task, f"profiles[{k}] ({choice.name})"):
+            trajectories.append(_trajectory(choice, branch, times, robot.joint_names))
+    return ResolvedTask(
+        task=task,
+        robot=robot,
+        names=names,
+        branches=branches,
+        branch=branch,
+        times=times,
+        trajectories=tuple(trajectories),
+    )
+
+
+def assess_task(task: Task | ResolvedTask) -> tuple[Assessment, ...]:
+    """Assess each profile of a task, in the task's order.
+
+    Examples
+    --------
+    >>> from puma_septic.task import load_task
+    >>> [assessment.is_feasible for assessment in assess_task(load_task("paper"))]
+    [False, False, False]
+    """
+    resolved = task if isinstance(task, ResolvedTask) else resolve_task(task)
+    return tuple(assess(resolved.robot, trajectory, dwell=resolved.task.dwell) for trajectory in resolved.trajectories)
+
+
+def world_frame(robot: Robot, name: str) -> Array:
+    """Where a frame is that does not move with the arm, shape (4, 4); "world" is the URDF's root link.
+
+    Raises
+    ------
+    InputError
+        For an unknown frame, or one that moves, with those that do not.
+    """
+    if name == _WORLD:
+        return np.eye(4)
+    frames = robot.model.frames
+    fixed = [_WORLD, *(frame.name for frame in frames if frame.parentJoint == 0 and frame.name != "universe")]
+    if name not in fixed and name in [frame.name for frame in frames]:
+        raise InputError(f"{name!r} moves with the arm; poses can be given in: {', '.join(map(repr, fixed))}")
+    checked_choice("frame", name, fixed)
+    return forward_kinematics(robot, np.zeros(robot.n_joints), frame=name)
+
+
+def pose(point: Point) -> Array:
+    """The point's pose in its frame, shape (4, 4)."""
+    transform = np.eye(4)
+    transform[:3, 3] = point.position or ()
+    if point.rpy_deg is not None:
+        transform[:3, :3] = _from_rpy(*np.deg2rad(point.rpy_deg))
+    if point.quaternion is not None:
+        turn = point.quaternion
+        transform[:3, :3] = _from_quaternion(np.array([turn.w, turn.x, turn.y, turn.z]))
+    return transform
+
+
+def _robot(task: Task) -> Robot:
+    section = task.robot
+    with _named(task, "robot"):
+        robot = load_robot(
+            section.source,
+            parameters=section.parameters,
+            limits=section.limits,
+            actuators=section.actuators,
+            tool=section.tool,
+            package_dirs=section.package_dirs,
+            locked=section.locked,
+            gravity=section.gravity,
+        )
+    if task.payload is not None:
+        with _named(task, "payload"):
+            load = task.payload
+            robot = robot.with_payload(Payload(mass=load.mass, com=np.array(load.com), inertia=np.array(load.inertia)))
+    if task.wrench is not None:
+        with _named(task, "wrench"):
+            pull = task.wrench
+            robot = robot.with_wrench(Wrench(force=np.array(pull.force), torque=np.array(pull.torque), axes=pull.axes))
+    if task.limits is not None:
+        with _named(task, "limits"):
+            robot = robot.with_limits(**task.limits.model_dump(exclude_none=True))
+    return robot
+
+
+def _waypoint(robot: Robot, frame: Array, task: Task, k: int) -> Waypoint:
+    """Point k: its joint positions, or its pose with all solutions."""
+    point = task.points[k]
+    label = f"points[{k}]" + (f" {point.name!r}" if point.name else "")
+    if point.joints is not None:
+        with _named(task, label):
+            return checked_array("joints", point.joints, (robot.n_joints,), unit="rad")
+    T_world_tool = frame @ pose(point)
+    with _named(task, label):
+        return Posed(T_world_tool=T_world_tool, solutions=inverse_kinematics(robot, T_world_tool))
+
+
+def _trajectory(choice: ProfileChoice, branch: Branch, times: Array, joint_names: tuple[str, ...]) -> Trajectory:
+    """The profile through the points; it is given times or durations, whichever it takes."""
+    profile = profile_functions()[choice.name]
+    accepted = signature(profile).parameters
+    timing: dict[str, Any] = {}
+    if "times" in accepted:
+        timing = {"times": times}
+    elif "durations" in accepted and "max_velocity" not in choice.options:  # a speed limit sets its own
+        timing = {"durations": np.diff(times)}
+    return profile(branch.q, **timing, **choice.options, joint_names=joint_names)
+
+
+@contextmanager
+def _named(task: Task, field: str) -> Iterator[None]:
+    """Put the file and the field before the message of what goes wrong inside."""
+    where = f"{task.origin}: {field}: "
+    try:
+        yield
+    except NoSolution as error:
+        raise NoSolution(f"{where}{error}", residual=error.residual, q=error.q) from error
+    except InputError as error:
+        raise InputError(f"{where}{error}") from error
+    except ModelError as error:
+        raise ModelError(f"{where}{error}") from error
+
+
+def _from_rpy(roll: float, pitch: float, yaw: float) -> Array:
+    """``Rz(yaw) Ry(pitch) Rx(roll)``: turns about fixed axes x, y, z, as in a URDF."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
+    return np.array([
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ])  # fmt: skip
+
+
+def _from_quaternion(quaternion: Array) -> Array:
+    """Rotation of a quaternion (w, x, y, z), which is normalised."""
+    w, x, y, z = quaternion / np.linalg.norm(quaternion)
+    return np.array([
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ])  # fmt: skip

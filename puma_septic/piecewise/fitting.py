@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from puma_septic.checks import Array
 from puma_septic.errors import PumaSepticError
@@ -16,8 +17,12 @@ __all__ = ["fit_series"]
 _DEGREES = (16, 32, 64, 128)
 # Bisection stops here: an interval this small, relative to the span, means that the function is not smooth.
 _SMALLEST = 2.0**-20
-# A few roundings of the largest component: what is below it in a small component is noise of the sum it came from.
+# And here: noise everywhere would be bisected everywhere. A thousand times what the wildest torque has needed.
+_MOST_SAMPLES = 200_000
+# A few roundings of the largest component: what is below it in a small component may be noise of the sum it came from.
 _ROUNDING = 64 * np.finfo(np.float64).eps
+# Trailing coefficients below this part of the largest value are the transform's own rounding.
+_TRIM = 4 * np.finfo(np.float64).eps
 
 
 def fit_series(f: Callable[[Array], Array], breaks: Array, tolerance: float) -> tuple[Array, Array]:
@@ -25,6 +30,7 @@ def fit_series(f: Callable[[Array], Array], breaks: Array, tolerance: float) -> 
     pending = np.column_stack([breaks[:-1], breaks[1:]])
     done: list[tuple[Array, Array]] = []
     scale = np.zeros(1)
+    n_samples = 0
     while len(pending):
         values = _sample(f, pending, matrices.nodes(_DEGREES[0]))
         for degree in _DEGREES:
@@ -34,18 +40,22 @@ def fit_series(f: Callable[[Array], Array], breaks: Array, tolerance: float) -> 
             series = np.tensordot(matrices.coefficients_from_values(degree), values, 1)
             good = _converged(series, scale, tolerance)
             done += [(pending[i], series[:, i]) for i in np.flatnonzero(good)]
-            pending, values = pending[~good], values[:, ~good]
+            n_samples += len(values) * int(good.sum())
+            pending, values, series = pending[~good], values[:, ~good], series[:, ~good]
             if not len(pending):
                 break
-        pending = _bisected(pending, breaks, values)
+        n_samples += len(values) * len(pending)
+        if len(pending):
+            pending = _bisected(pending, breaks, series, scale, n_samples)
     return _joined(done, scale)
 
 
 def _sample(f: Callable[[Array], Array], intervals: Array, x: Array) -> Array:
     """Values at the points x of every interval, shape (len(x), n, m), in one call."""
     left, right = intervals.T
-    # Written so that x = -1 and x = 1 give the ends exactly.
     times = (left * (1 - x)[:, None] + right * (1 + x)[:, None]) / 2
+    # f may step at a break and has the right-hand value there: the last instant of the interval is the one before.
+    times = np.clip(times, left, np.nextafter(right, left))
     values = np.asarray(f(times.T.ravel()))
     if not np.isfinite(values).all():
         k = int(np.argwhere(~np.isfinite(values))[0, 0])
@@ -61,21 +71,31 @@ def _refined(f: Callable[[Array], Array], intervals: Array, values: Array, degre
     return finer
 
 
-def _converged(series: Array, scale: Array, tolerance: float) -> Array:
-    """Whether each interval's tail, judged per component, has fallen below the tolerance, shape (n,)."""
-    tail = np.abs(series[-max(2, len(series) // 8) :]).max(axis=0)
-    bound = np.maximum(tolerance * scale, _ROUNDING * scale.max())
-    return np.asarray((tail <= bound).all(axis=1))
+def _tail(series: Array) -> Array:
+    """Largest coefficient of the last eighth, of each interval and component, shape (n, m)."""
+    return np.asarray(np.abs(series[-max(2, len(series) // 8) :]).max(axis=0))
 
 
-def _bisected(intervals: Array, breaks: Array, values: Array) -> Array:
-    """Each interval as two; an interval too small for that is an error."""
-    if len(intervals) and (small := np.diff(intervals).min() / (breaks[-1] - breaks[0])) < _SMALLEST:
-        k = int(np.argmin(np.diff(intervals)[:, 0]))
-        component = int(np.argmax(np.ptp(values[:, k], axis=0)))
+def _converged(series: Array, scale: Array, tolerance: float) -> NDArray[np.bool_]:
+    """Whether the tail of every component has fallen below the tolerance, or stays at the rounding, shape (n,)."""
+    tail = _tail(series)
+    noise = tail <= _ROUNDING * scale.max()
+    if len(series) <= _DEGREES[-1]:
+        # Only what has stopped to fall is noise; a small component may have digits below the others' rounding.
+        noise &= tail >= 0.1 * np.abs(series[len(series) // 2 :]).max(axis=0)
+    good: NDArray[np.bool_] = (tail <= tolerance * scale) | noise
+    return np.asarray(good.all(axis=1))
+
+
+def _bisected(intervals: Array, breaks: Array, series: Array, scale: Array, n_samples: int) -> Array:
+    """Each interval as two; an interval too small for that, or too many of them, is an error."""
+    lengths = np.diff(intervals)[:, 0]
+    if (small := lengths.min() / (breaks[-1] - breaks[0])) < _SMALLEST or n_samples > _MOST_SAMPLES:
+        k = int(np.argmin(lengths))
+        component = int(np.argmax(_tail(series)[k] / np.maximum(scale, np.finfo(np.float64).tiny)))
         raise PumaSepticError(
             f"no Chebyshev series converges on [{intervals[k, 0]:.9g}, {intervals[k, 1]:.9g}] s (component {component};"
-            f" {small:.1e} of the span): the function is not smooth there and needs a break"
+            f" {small:.1e} of the span, {n_samples} samples): the function is not smooth there and needs a break"
         )
     middle = intervals.mean(axis=1)
     halves = [np.column_stack([intervals[:, 0], middle]), np.column_stack([middle, intervals[:, 1]])]
@@ -88,7 +108,6 @@ def _joined(done: list[tuple[Array, Array]], scale: Array) -> tuple[Array, Array
     coefficients = np.zeros((max(len(series) for _, series in done), len(done), len(scale)))
     for i, (_, series) in enumerate(done):
         coefficients[: len(series), i] = series
-    below = np.abs(coefficients) <= np.finfo(np.float64).eps / 4 * scale
-    kept = np.flatnonzero(~below.all(axis=(1, 2)))
+    kept = np.flatnonzero((np.abs(coefficients) > _TRIM * scale).any(axis=(1, 2)))
     breaks = np.array([interval[0] for interval, _ in done] + [done[-1][0][1]])
     return breaks, coefficients[: (kept[-1] + 1 if len(kept) else 1)]

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import ClassVar, final
 
 import numpy as np
-from numpy.polynomial import chebyshev
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from puma_septic.checks import Array, checked_array, checked_times
 from puma_septic.errors import InputError
@@ -94,12 +93,12 @@ class Piecewise:
     coefficients: Array
 
     def __post_init__(self) -> None:
-        breaks = checked_times("breaks", self.breaks)
-        if len(breaks) < 2:
-            raise InputError(f"breaks: at least 2 times are needed, got {len(breaks)}")
-        shape = (None, len(breaks) - 1, None)
+        breaks = _checked_breaks(self.breaks)
+        coefficients = checked_array("coefficients", self.coefficients, (None, len(breaks) - 1, None))
+        if not coefficients.size:
+            raise InputError(f"coefficients: at least one per interval and component, got {coefficients.shape}")
         object.__setattr__(self, "breaks", breaks)
-        object.__setattr__(self, "coefficients", checked_array("coefficients", self.coefficients, shape))
+        object.__setattr__(self, "coefficients", coefficients)
 
     @classmethod
     def _trusted(cls, breaks: Array, coefficients: Array) -> Piecewise:
@@ -144,9 +143,23 @@ class Piecewise:
         Raises
         ------
         PumaSepticError
-            Where no degree and no bisection converges: `f` is not smooth inside an interval.
+            Where no degree and no bisection converges: `f` is not smooth inside an interval, or not finite.
+
+        Notes
+        -----
+        Whatever happens between 17 Chebyshev points of an interval and leaves no trace there, such as a spike, is
+        not seen; give it a break.
         """
-        return cls._trusted(*fit_series(f, checked_times("breaks", breaks), tolerance))
+        return cls._trusted(*fit_series(f, _checked_breaks(breaks), tolerance))
+
+    @classmethod
+    def concatenate(cls, functions: Sequence[Piecewise]) -> Piecewise:
+        """One function with the components of all, which must share their breaks, side by side."""
+        if not all(np.array_equal(f.breaks, functions[0].breaks) for f in functions[1:]):
+            raise InputError("functions whose components are to stand side by side must share their breaks")
+        degree = max(f.degree for f in functions)
+        padded = [np.pad(f.coefficients, ((0, degree - f.degree), (0, 0), (0, 0))) for f in functions]
+        return cls(breaks=functions[0].breaks, coefficients=np.concatenate(padded, axis=2))
 
     @property
     def n_components(self) -> int:
@@ -170,16 +183,12 @@ class Piecewise:
         inside = (flat >= self.breaks[0]) & (flat <= self.breaks[-1])
         if not inside.all():
             worst = flat[np.argmin(inside)]
-            raise InputError(f"t = {worst:g} s is outside the span [{self.breaks[0]:g}, {self.breaks[-1]:g}] s")
-        piece = np.searchsorted(self.breaks[1:-1], flat, side="right")
+            raise InputError(f"t = {worst:.9g} s is outside the span [{self.breaks[0]:.9g}, {self.breaks[-1]:.9g}] s")
+        piece = np.searchsorted(self.breaks[1:-1], flat, side="right") if len(self.breaks) > 2 else 0
         left, right = self.breaks[piece], self.breaks[piece + 1]
-        x = np.clip((2 * flat - left - right) / (right - left), -1.0, 1.0)
-        basis = chebyshev.chebvander(x, self.degree)
-        if len(self.breaks) == 2:
-            values = basis @ self.coefficients[:, 0]
-        else:
-            values = np.einsum("kd,dkm->km", basis, self.coefficients[:, piece])
-        return np.asarray(values.reshape(*times.shape, self.n_components))
+        x = (2 * flat - (left + right)) / (right - left)
+        values = _evaluated(matrices.basis_at(x, self.degree), self.coefficients, piece)
+        return values.reshape(*times.shape, self.n_components)
 
     def power_coefficients(self) -> Array:
         """Coefficients of powers of ``t - breaks[i]`` on each interval, ascending, shape (n, degree + 1, m).
@@ -210,7 +219,7 @@ class Piecewise:
         f, g = _aligned(self, other)
         top = max(f.degree, g.degree)
         weighted = _apply(matrices.gram_matrix(top)[: f.degree + 1, : g.degree + 1], g.coefficients)
-        return np.einsum("dnm,dnm,n->m", f.coefficients, weighted, np.diff(f.breaks) / 2)
+        return np.asarray(np.einsum("dnm,dnm,n->m", f.coefficients, weighted, np.diff(f.breaks) / 2))
 
     def extrema(self) -> Extrema:
         """Least and greatest finite values, one-sided values at steps included."""
@@ -230,7 +239,7 @@ class Piecewise:
 
         It is the sign on the whole interval once the function has been split at its `roots`.
         """
-        middle = matrices.basis_at(np.zeros(1), self.degree)[0] @ self.coefficients.reshape(self.degree + 1, -1)
+        middle = matrices.basis_at(np.zeros(()), self.degree) @ self.coefficients.reshape(self.degree + 1, -1)
         return np.sign(middle).reshape(self.coefficients.shape[1:])
 
     def ends(self) -> tuple[Array, Array]:
@@ -245,20 +254,21 @@ class Piecewise:
 
     def split(self, times: ArrayLike) -> Piecewise:
         """The same function with further breaks; times outside the span or at a break change nothing."""
-        wanted = np.asarray(times, dtype=np.float64).ravel()
-        breaks = _merged(self.breaks, wanted)
+        breaks = _merged(self.breaks, checked_array("times", np.ravel(times), (None,), unit="s"))
         if len(breaks) == len(self.breaks):
             return self
         parent = np.searchsorted(self.breaks[1:-1], (breaks[:-1] + breaks[1:]) / 2)
         left, right = self.breaks[parent], self.breaks[parent + 1]
         start, stop = (2 * (end - left) / (right - left) - 1 for end in (breaks[:-1], breaks[1:]))
         y = matrices.nodes(self.degree)
-        x = np.clip(start + (stop - start) * (y[:, None] + 1) / 2, -1.0, 1.0)
-        basis = chebyshev.chebvander(x, self.degree)
-        values = np.einsum("yid,dim->yim", basis, self.coefficients[:, parent], optimize=True)
-        return self._trusted(breaks, _apply(matrices.coefficients_from_values(self.degree), values))
+        x = start + (stop - start) * (y[:, None] + 1) / 2
+        values = _evaluated(matrices.basis_at(x.T.ravel(), self.degree), self.coefficients, np.repeat(parent, len(y)))
+        at_nodes = values.reshape(len(parent), len(y), -1).transpose(1, 0, 2)
+        return self._trusted(breaks, _apply(matrices.coefficients_from_values(self.degree), at_nodes))
 
     def __add__(self, other: Piecewise) -> Piecewise:
+        if not isinstance(other, Piecewise):
+            return NotImplemented
         f, g = _aligned(self, other)
         if f.degree < g.degree:
             f, g = g, f
@@ -267,17 +277,46 @@ class Piecewise:
         return self._trusted(f.breaks, total)
 
     def __sub__(self, other: Piecewise) -> Piecewise:
-        return self + other * -1.0
+        return self + other * -1.0 if isinstance(other, Piecewise) else NotImplemented
 
     def __mul__(self, other: Piecewise | ArrayLike) -> Piecewise:
         """The product, componentwise, with a function or with a constant of shape () or (m,)."""
         if not isinstance(other, Piecewise):
-            return self._trusted(self.breaks, self.coefficients * np.asarray(other, dtype=np.float64))
+            factor = checked_array("factor", other, () if np.ndim(other) == 0 else (self.n_components,))
+            return self._trusted(self.breaks, self.coefficients * factor)
         f, g = _aligned(self, other)
         degree = f.degree + g.degree
         at_nodes = [_apply(matrices.values_matrix(h.degree, degree), h.coefficients) for h in (f, g)]
         product = _apply(matrices.coefficients_from_values(degree), at_nodes[0] * at_nodes[1])
         return self._trusted(f.breaks, product)
+
+    __rmul__ = __mul__
+    # An array on the left leaves the product to us, instead of multiplying element by element.
+    __array_ufunc__: ClassVar[None] = None
+
+
+def _checked_breaks(breaks: ArrayLike) -> Array:
+    times = checked_times("breaks", breaks)
+    if len(times) < 2:
+        raise InputError(f"breaks: at least 2 times are needed, got {len(times)}")
+    return times
+
+
+def _evaluated(basis: Array, coefficients: Array, piece: NDArray[np.int64] | int) -> Array:
+    """Values (k, m) of the series of each point's piece, from the basis (degree + 1, k) at the points."""
+    if isinstance(piece, int):
+        return np.asarray(basis.T @ coefficients[:, piece])
+    values = np.empty((len(piece), coefficients.shape[2]))
+    # One product per piece: points in the order of their pieces are runs.
+    order = np.argsort(piece, kind="stable")
+    ends = np.searchsorted(piece[order], np.arange(coefficients.shape[1]), side="right")
+    start = 0
+    for i, end in enumerate(ends.tolist()):
+        if end > start:
+            run = order[start:end]
+            values[run] = basis[:, run].T @ coefficients[:, i]
+        start = end
+    return values
 
 
 def _apply(matrix: Array, coefficients: Array) -> Array:
@@ -300,6 +339,8 @@ def _merged(breaks: Array, times: Array) -> Array:
 
 def _aligned(f: Piecewise, g: Piecewise) -> tuple[Piecewise, Piecewise]:
     """Both functions on the union of their breaks."""
+    if f.n_components != g.n_components:
+        raise InputError(f"functions of {f.n_components} and {g.n_components} components cannot be combined")
     if f.breaks is g.breaks:
         return f, g
     if f.breaks[0] != g.breaks[0] or f.breaks[-1] != g.breaks[-1]:

@@ -1,7 +1,8 @@
 """Extrema and sign changes of Chebyshev series: bracket on an over-sampled grid, polish by Newton.
 
-The grid's values and slopes come from one matrix product each. A cell can hold an extremum only where the slope
-changes sign; only cells that can beat the best grid value are polished.
+The grid's values and slopes come from one matrix product. A cell, the interval between two grid points, is looked
+into only where it can hold what is asked for. Arrays over the grid are addressed by flat indices: point by point,
+then interval, then component.
 """
 
 from __future__ import annotations
@@ -15,143 +16,205 @@ from puma_septic.piecewise import matrices
 __all__ = ["find_extrema", "find_sign_changes"]
 
 Index = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 # A value below this part of the sum of |coefficients| is rounding, and has no sign.
 _ROUNDING = 64 * np.finfo(np.float64).eps
-# Newton from a cell of a twofold grid converges in three or four steps; the others serve bisection of flat cells.
-_NEWTON_STEPS = 60
+# Newton from a cell of a twofold grid converges in two to four steps; what has not is bracketed and bisected as well.
+_NEWTON_STEPS = 6
+_BISECTION_STEPS = 60
+# Newton converges quadratically: after a step of this part of the cell, what remains is rounding.
+_LAST_STEP = 1e-9
 
 
 def find_extrema(breaks: Array, coefficients: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """((minima, their times), (maxima, their times)), each of shape (m,)."""
+    """((minima, their times), (maxima, their times)), each of shape (m,); of values equal to rounding, the first.
+
+    Critical points so crowded that several share a cell, at most 1/40 of the interval wide, are taken for one.
+    """
+    _, n, m = coefficients.shape
     values, slopes = _on_grid(coefficients)
-    x, m = matrices.grid(len(coefficients) - 1)[0], coefficients.shape[2]
-    # Intervals first, then points: time increases, and argmax finds the earliest of equals.
-    in_time = values.transpose(1, 0, 2).reshape(-1, m)
-    at = np.concatenate([in_time.argmin(axis=0), in_time.argmax(axis=0)])
-    component = np.tile(np.arange(m), 2)
-    flip = np.repeat([-1.0, 1.0], m)
-    best = flip * in_time[at, component]
-    piece, point = np.divmod(at, len(x))
-    where = x[point]
-    cells = np.concatenate([_promising(flip[s] * values, flip[s] * slopes, x, best[s]) for s in (slice(m), slice(m, None))])
-    if len(cells):
-        polished_x, polished = _critical_points(coefficients, cells)
-        slots = cells[:, 2] + np.where(slopes[tuple(cells.T)] > 0, m, 0)
-        for slot, i, candidate, value in zip(slots, cells[:, 1], polished_x, flip[slots] * polished, strict=True):
-            if value > best[slot]:
-                best[slot], piece[slot], where[slot] = value, i, candidate
-    times = _times(breaks, piece, where)
-    return (-best[:m], times[:m]), (best[m:], times[m:])
+    low, high = values.reshape(-1, m).min(axis=0), values.reshape(-1, m).max(axis=0)
+    equal = _ROUNDING * np.abs(coefficients).sum(axis=0).max(axis=0)
+    at, x = _critical_points(coefficients, values, slopes, low - equal, high + equal)
+    found = _values_at(coefficients.reshape(-1, n * m)[:, at % (n * m)], x)
+    np.minimum.at(low, at % m, found)
+    np.maximum.at(high, at % m, found)
+    # The grid's points that are extreme, and those found: the first of them.
+    extreme = np.flatnonzero((values <= np.tile(low + equal, n)) | (values >= np.tile(high - equal, n)))
+    value = np.concatenate([found, values.take(extreme)])
+    at, x = np.concatenate([at, extreme]), np.concatenate([x, matrices.nodes(len(values) - 1)[extreme // (n * m)]])
+    times, j = _times(breaks, at // m % n, x), at % m
+    t_low, t_high = np.full((2, m), np.inf)
+    np.minimum.at(t_low, j, np.where(value <= (low + equal)[j], times, np.inf))
+    np.minimum.at(t_high, j, np.where(value >= (high - equal)[j], times, np.inf))
+    return (low, t_low), (high, t_high)
 
 
 def _on_grid(coefficients: Array) -> tuple[Array, Array]:
-    """Values and slopes by x at the grid of each interval, each of shape (points, n, m)."""
-    degree = len(coefficients) - 1
-    basis = matrices.grid(degree)[1]
-    flat = coefficients.reshape(degree + 1, -1)
-    slopes = basis[:, : max(degree, 1)] @ (matrices.derivative_matrix(degree) @ flat)
-    shape = (len(basis), *coefficients.shape[1:])
-    return (basis @ flat).reshape(shape), slopes.reshape(shape)
+    """Values and slopes by x at the grid of each interval, each of shape (points, n * m)."""
+    both = matrices.grid(len(coefficients) - 1) @ coefficients.reshape(len(coefficients), -1)
+    return both[: len(both) // 2], both[len(both) // 2 :]
 
 
-def _promising(values: Array, slopes: Array, x: Array, best: Array) -> Index:
-    """Cells (k, 3) of (grid cell, interval, component) that hold a maximum which may exceed the best grid value."""
-    cells = np.argwhere((slopes[:-1] > 0) & (slopes[1:] < 0))
-    k, i, j = cells.T
-    width = x[k + 1] - x[k]
-    # Where the curve is concave it lies below both tangents; their sum leaves room where it is not quite.
-    bound = np.maximum(values[k, i, j], values[k + 1, i, j]) + (slopes[k, i, j] - slopes[k + 1, i, j]) * width / 2
-    return cells[bound > best[j]]
+def _critical_points(coefficients: Array, values: Array, slopes: Array, low: Array, high: Array) -> tuple[Index, Array]:
+    """Flat indices (k,) of cells with an extremum that may lie beyond the bounds, and its x."""
+    columns, m = values.shape[1], len(low)
+    rising = slopes > 0
+    at = np.flatnonzero(rising[:-1] != rising[1:])
+    v, s = _at_both_ends(values, at), _at_both_ends(slopes, at)
+    x = matrices.nodes(len(values) - 1)
+    k, j = at // columns, at % m
+    # Between the tangents at both ends, with room to spare where the curve is not convex.
+    room = (np.abs(s[0]) + np.abs(s[1])) * (x[k + 1] - x[k]) / 2
+    wanted = (np.maximum(v[0], v[1]) + room > high[j]) | (np.minimum(v[0], v[1]) - room < low[j])
+    at, k = at[wanted], k[wanted]
+    series = coefficients.reshape(len(coefficients), -1)[:, at % columns]
+    slope_series = matrices.derivative_matrix(len(series) - 1) @ series
+    # A slope that is rounding at an end, as at rest, is zero there, not inside; the grid has the value.
+    inside = np.abs(s[:, wanted]).min(axis=0) > _ROUNDING * np.abs(slope_series).sum(axis=0)
+    at, k, s = at[inside], k[inside], s[:, wanted][:, inside]
+    return at, _zeros(slope_series[:, inside], np.array([x[k], x[k + 1]]), s)
 
 
-def _critical_points(coefficients: Array, cells: Index) -> tuple[Array, Array]:
-    """Critical points, and the values there, in cells (k, 3) of (grid cell, interval, component)."""
-    degree = len(coefficients) - 1
-    k, i, j = cells.T
-    x = matrices.grid(degree)[0]
-    series = coefficients[:, i, j].T
-    critical = _zeros(series @ matrices.derivative_matrix(degree).T, x[k], x[k + 1])
-    return critical, np.einsum("kd,kd->k", matrices.basis_at(critical, degree), series)
+def _at_both_ends(values: Array, at: Index) -> Array:
+    """Values at both ends of cells with the given flat indices, shape (2, k)."""
+    return np.array([values.take(at), values.take(at + values.shape[1])])
 
 
-def _zeros(series: Array, left: Array, right: Array) -> Array:
-    """The zero of each series (row) between two points across which it changes sign: safeguarded Newton."""
-    degree = series.shape[1] - 1
-    derivative = series @ matrices.derivative_matrix(degree).T
-    rising = np.einsum("kd,kd->k", matrices.basis_at(right, degree), series) > 0
-    x = (left + right) / 2
+def _zeros(series: Array, cell: Array, ends: Array) -> Array:
+    """The zero of each series (column) in a cell (2, k), at the ends of which the values `ends` differ in sign."""
+    if not series.shape[1]:
+        return np.empty(0)
+    slope_series = matrices.derivative_matrix(len(series) - 1) @ series
+    width = cell[1] - cell[0]
+    x = cell[0] - width * ends[0] / (ends[1] - ends[0])
+    # An end that is a zero itself is not the one that is looked for, but would attract Newton.
+    unsure = np.minimum(np.abs(ends[0]), np.abs(ends[1])) <= _ROUNDING * np.abs(series).sum(axis=0)
     for _ in range(_NEWTON_STEPS):
-        basis = matrices.basis_at(x, degree)
-        value = np.einsum("kd,kd->k", basis, series)
-        gradient = np.einsum("kd,kd->k", basis[:, : derivative.shape[1]], derivative)
+        value, slope = _value_and_slope(series, slope_series, x)
+        step = value / slope
+        x = np.minimum(np.maximum(x - step, cell[0]), cell[1])
+        moving = np.abs(step) > _LAST_STEP * width
+        if not moving.any():
+            break
+    unsure |= moving
+    if unsure.any():
+        some = (series[:, unsure], slope_series[:, unsure], cell[:, unsure])
+        x[unsure] = _bisected_zeros(*some, ends[1, unsure] > 0)
+    return np.asarray(x)
+
+
+def _bisected_zeros(series: Array, slope_series: Array, cell: Array, rising: Flags) -> Array:
+    """As `_zeros`, by Newton within a bracket that every step narrows; bisection where Newton leaves it."""
+    noise = _ROUNDING / 16 * np.abs(series).sum(axis=0)
+    left, right = cell
+    x = (left + right) / 2
+    for _ in range(_BISECTION_STEPS):
+        value, slope = _value_and_slope(series, slope_series, x)
         beyond = (value > 0) == rising
         left, right = np.where(beyond, left, x), np.where(beyond, x, right)
-        gradient[gradient == 0] = np.inf
-        newton = x - value / gradient
-        inside = (newton >= left) & (newton <= right)
-        step = np.where(inside, newton, (left + right) / 2) - x
-        x = x + step
-        if (np.abs(step) < 4e-16).all() or not (right - left > 4e-16).any():
+        newton = x - value / slope
+        following = np.where((newton > left) & (newton < right), newton, (left + right) / 2)
+        found = np.abs(value) <= noise
+        x = np.where(found, x, following)
+        if found.all():
             break
-    return x
+    return np.asarray(x)
+
+
+def _value_and_slope(series: Array, slope_series: Array, x: Array) -> tuple[Array, Array]:
+    """Value and slope of each series (column) at its own point; a slope of zero is made a tiny one."""
+    basis = matrices.basis_at(x, len(series) - 1)
+    slope = np.einsum("dk,dk->k", basis[: len(slope_series)], slope_series)
+    slope[slope == 0] = np.finfo(np.float64).tiny ** 0.5
+    return np.einsum("dk,dk->k", basis, series), slope
+
+
+def _values_at(series: Array, x: Array) -> Array:
+    """Value of each series (column) at its own point."""
+    return np.asarray(np.einsum("dk,dk->k", matrices.basis_at(x, len(series) - 1), series))
 
 
 def find_sign_changes(breaks: Array, coefficients: Array) -> tuple[Array, ...]:
     """Times of the sign changes inside the intervals, one sorted array per component."""
-    m = coefficients.shape[2]
-    if len(coefficients) == 1:
-        return tuple(np.empty(0) for _ in range(m))
+    _, n, m = coefficients.shape
+    series = coefficients.reshape(len(coefficients), -1)
     values, slopes = _on_grid(coefficients)
-    noise = _ROUNDING * np.abs(coefficients).sum(axis=0)
-    sign = np.where(np.abs(values) <= noise, 0.0, np.sign(values))
-    brackets = np.concatenate([_between_grid_points(sign), _around_zero_points(sign)])
-    x = matrices.grid(len(coefficients) - 1)[0]
-    left, right, cell = x[brackets[:, 0]], x[brackets[:, 1]], brackets[:, 2:]
-    dips, bottoms = _dips(coefficients, values, slopes, sign)
-    if len(dips):
-        left = np.concatenate([left, x[dips[:, 0]], bottoms])
-        right = np.concatenate([right, bottoms, x[dips[:, 0] + 1]])
-        cell = np.concatenate([cell, dips[:, 1:], dips[:, 1:]])
-    if not len(left):
-        return tuple(np.empty(0) for _ in range(m))
-    roots = _times(breaks, cell[:, 0], _zeros(coefficients[:, cell[:, 0], cell[:, 1]].T, left, right))
-    return tuple(np.sort(roots[cell[:, 1] == j]) for j in range(m))
+    values, sign = _with_signs(values, slopes, _ROUNDING * np.abs(series).sum(axis=0))
+    columns, x = n * m, matrices.nodes(len(values) - 1)
+    product = sign[:-1] * sign[1:]
+    first = np.flatnonzero(product < 0)
+    first, last = np.concatenate([np.array([first, first + columns]), _around_zeros(sign)], axis=1)
+    dips, bottoms, depths = _dips(series, values, slopes, sign, product)
+    cell, after = x[dips // columns], dips + columns
+    at = np.concatenate([first, dips, dips])
+    left = np.concatenate([x[first // columns], cell, bottoms])
+    right = np.concatenate([x[last // columns], bottoms, x[after // columns]])
+    at_left = np.concatenate([values.take(first), values.take(dips), depths])
+    at_right = np.concatenate([values.take(last), depths, values.take(after)])
+    zeros = _zeros(series[:, at % columns], np.array([left, right]), np.array([at_left, at_right]))
+    roots = _times(breaks, at // m % n, zeros)
+    return tuple(np.sort(roots[at % m == j]) for j in range(m))
 
 
-def _between_grid_points(sign: Array) -> Index:
-    """Neighbouring grid points of opposite sign, rows (left, right, interval, component)."""
-    cells = np.argwhere(sign[:-1] * sign[1:] < 0)
-    return np.column_stack([cells[:, 0], cells[:, 0] + 1, cells[:, 1], cells[:, 2]])
+def _with_signs(values: Array, slopes: Array, noise: Array) -> tuple[Array, Array]:
+    """Values at the grid, and their signs, 0 where a value is rounding.
+
+    Where the slope there tells a crossing from a double zero, the point is taken as just beyond the crossing (before
+    it, if it is the last), so that a second root next to it is seen.
+    """
+    sign = np.sign(values) * (np.abs(values) > noise)
+    zero = np.flatnonzero(sign == 0)
+    if not len(zero):
+        return values, sign
+    last, columns = len(values) - 1, values.shape[1]
+    k, j = zero // columns, zero % columns
+    before, after = np.maximum(k - 1, 0), np.minimum(k + 1, last)
+    x = matrices.nodes(last)
+    slope, width, noise = slopes[k, j], x[after] - x[before], noise[j]
+    bend = np.abs(slopes[after, j] - slopes[before, j]) / width
+    # A parabola with this slope and curvature, through zero here, is as deep as slope^2 / (2 bend).
+    crosses = (slope**2 > 4 * noise * bend) & (np.abs(slope) * width > 4 * noise)
+    sign[k, j] = np.where(crosses, np.where(k == last, -1.0, 1.0) * np.sign(slope), 0.0)
+    values[k, j] = sign[k, j] * noise
+    return values, sign
 
 
-def _around_zero_points(sign: Array) -> Index:
-    """Runs of grid points that are zero to rounding, between points of opposite sign; rows as above.
+def _around_zeros(sign: Array) -> Index:
+    """First and last point, as flat indices (2, k), of runs that are zero to rounding but for ends of opposite sign.
 
     A run at an interval's end, as of a double zero at rest, is between nothing and is left out.
     """
-    rows = []
-    for k, i, j in np.argwhere((sign[1:] == 0) & (sign[:-1] != 0)):
-        after = np.flatnonzero(sign[k + 1 :, i, j])
-        if len(after) and sign[k + 1 + after[0], i, j] * sign[k, i, j] < 0:
-            rows.append([k, k + 1 + after[0], i, j])
-    return np.array(rows, dtype=np.int64).reshape(-1, 4)
+    columns = sign.shape[1]
+    runs = []
+    if sign[1:-1].all():
+        return np.empty((2, 0), dtype=np.int64)
+    for k, column in np.argwhere((sign[1:] == 0) & (sign[:-1] != 0)):
+        after = np.flatnonzero(sign[k + 1 :, column])
+        if len(after) and sign[k + 1 + after[0], column] * sign[k, column] < 0:
+            runs.append([k * columns + column, (k + 1 + after[0]) * columns + column])
+    return np.array(runs, dtype=np.int64).reshape(-1, 2).T
 
 
-def _dips(coefficients: Array, values: Array, slopes: Array, sign: Array) -> tuple[Index, Array]:
-    """Cells in which a component dips through zero and back, and the bottom of each dip."""
-    x = matrices.grid(len(coefficients) - 1)[0]
-    turning = (sign[:-1] * slopes[:-1] < 0) & (sign[1:] * slopes[1:] > 0) & (sign[:-1] * sign[1:] > 0)
-    cells = np.argwhere(turning)
-    if len(cells):
-        k, i, j = cells.T
-        deepest = np.maximum(np.abs(slopes[k, i, j]), np.abs(slopes[k + 1, i, j])) * (x[k + 1] - x[k])
-        cells = cells[np.minimum(np.abs(values[k, i, j]), np.abs(values[k + 1, i, j])) < deepest]
-    if not len(cells):
-        return cells, np.empty(0)
-    bottoms, depths = _critical_points(coefficients, cells)
-    k, i, j = cells.T
-    through = depths * sign[k, i, j] < -_ROUNDING * np.abs(coefficients[:, i, j]).sum(axis=0)
-    return cells[through], bottoms[through]
+def _dips(series: Array, values: Array, slopes: Array, sign: Array, product: Array) -> tuple[Index, Array, Array]:
+    """Cells in which a component dips through zero and back: flat index, x of the bottom, value there."""
+    outwards = sign * slopes
+    at = np.flatnonzero((outwards[:-1] < 0) & (outwards[1:] > 0) & (product > 0))
+    x, columns = matrices.nodes(len(values) - 1), values.shape[1]
+    cell = x[np.array([at, at + columns]) // columns]
+    (a, b), (p, q) = np.abs(_at_both_ends(values, at)), np.abs(_at_both_ends(slopes, at))
+    # Where the curve is convex it lies beyond its tangents, which meet at this over (p + q); half is left for where
+    # it is not quite.
+    lowest = a * q + b * p - p * q * (cell[1] - cell[0])
+    near = lowest < np.minimum(a, b) * (p + q) / 2
+    at, cell = at[near], cell[:, near]
+    if not len(at):
+        return at, np.empty(0), np.empty(0)
+    some = series[:, at % columns]
+    bottoms = _zeros(matrices.derivative_matrix(len(some) - 1) @ some, cell, _at_both_ends(slopes, at))
+    depths = _values_at(some, bottoms)
+    through = depths * sign.take(at) < -_ROUNDING * np.abs(some).sum(axis=0)
+    return at[through], bottoms[through], depths[through]
 
 
 def _times(breaks: Array, piece: Index, x: Array) -> Array:

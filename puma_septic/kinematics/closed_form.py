@@ -61,7 +61,7 @@ def solve_branches(robot: Robot, geometry: PumaGeometry, target: Array, q_near: 
         q[...] = resting(robot, near).reshape(robot.n_joints, 1, 1, 1, -1)
     for column, angle in zip(columns, angles, strict=True):
         q[column] = angle
-    flat = q.reshape(-1, 8, n)
+    flat = q.reshape(robot.n_joints, 8, n)
     rough = (residual > POLISHED) & (distance <= REACH_TOLERANCE)
     if rough.any():
         flat[:, rough], residual[rough] = _polished(robot, target, flat, rough)
@@ -81,9 +81,7 @@ def why_out_of_reach(geometry: PumaGeometry, target: Array) -> str:
     x, y, z = _from_shoulder(geometry, target)[3, :, 0]
     radius, distance = np.hypot(x, y), np.sqrt(x * x + y * y + z * z)
     if distance > geometry.reach:
-        return (
-            f"its wrist centre is {distance:.6g} m from the shoulder, the arm reaches {geometry.reach:.6g} m"
-        )
+        return f"its wrist centre is {distance:.6g} m from the shoulder, the arm reaches {geometry.reach:.6g} m"
     if radius < abs(geometry.d3):
         return (
             f"its wrist centre is {radius:.6g} m from joint 1's axis, the shoulder's offset keeps it at least"
@@ -113,8 +111,8 @@ def _residual(robot: Robot, target: Array, angles: list[Array]) -> Array:
         unflipped[column] = angle[:, :, 0]
     off = end_frame(chain, unflipped)
     off -= target[:, :, None, None]
-    worst = np.abs(off, out=off).reshape(12, 2, 2, 1, -1).max(axis=0)
-    return np.repeat(worst, 2, axis=2).reshape(8, -1)
+    worst = np.abs(off, out=off).max(axis=(0, 1))
+    return np.repeat(worst[:, :, None], 2, axis=2).reshape(8, target.shape[2])
 
 
 def _polished(robot: Robot, target: Array, q: Array, rough: NDArray[np.bool_]) -> tuple[Array, Array]:

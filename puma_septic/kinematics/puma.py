@@ -28,9 +28,7 @@ __all__ = [
 ARMS: Final = ("right", "left")
 ELBOWS: Final = ("up", "down")
 WRISTS: Final = ("noflip", "flip")
-CONFIGURATIONS: Final = tuple(
-    f"{arm}-{elbow}-{wrist}" for arm in ARMS for elbow in ELBOWS for wrist in WRISTS
-)
+CONFIGURATIONS: Final = tuple(f"{arm}-{elbow}-{wrist}" for arm in ARMS for elbow in ELBOWS for wrist in WRISTS)
 # Joint angles that branches share stand once: first and last row, for how many elbows and wrists.
 ROWS: Final = ((0, 2, 1, 1), (2, 6, 2, 1), (6, 10, 2, 1), (10, 18, 2, 2), (18, 26, 2, 2), (26, 34, 2, 2))
 JOINT_OF_ROW: Final = np.repeat(np.arange(6), [end - start for start, end, _, _ in ROWS])
@@ -166,7 +164,8 @@ def branches(geometry: PumaGeometry, wrist: Array, q4_near: Array | float) -> tu
 
 def by_joint(rows: Array) -> list[Array]:
     """Views of the rows, one per joint, that broadcast to (arm, elbow, wrist, n)."""
-    return [rows[start:end].reshape(2, elbows, wrists, -1) for start, end, elbows, wrists in ROWS]
+    n = rows.shape[1]
+    return [rows[start:end].reshape(2, elbows, wrists, n) for start, end, elbows, wrists in ROWS]
 
 
 def _set_arm(g: PumaGeometry, centre: Array, q1: Array, q2: Array, q3: Array) -> tuple[Array, Array]:

@@ -11,6 +11,8 @@ import numpy as np
 from puma_septic.checks import Array
 from puma_septic.dynamics import inverse_dynamics, mass_matrix
 from puma_septic.motion import Motion
+from puma_septic.piecewise import Jumps
+from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["JointMetrics", "PowerMetrics", "joint_metrics", "power_metrics"]
@@ -96,11 +98,15 @@ def first_blows(motion: Motion) -> tuple[Array, Array]:
 
     A step dv of the velocity takes the impulse ``M(q) dv``: it strikes every joint that is coupled to one that steps.
     """
-    times, signs = np.full(motion.robot.n_joints, np.nan), np.zeros(motion.robot.n_joints)
-    jumps = motion.trajectory.jumps(1)
+    return blows(motion.robot, motion.trajectory, motion.trajectory.jumps(1))
+
+
+def blows(robot: Robot, trajectory: Trajectory, jumps: Jumps) -> tuple[Array, Array]:
+    """`first_blows` of the given steps of velocity alone."""
+    times, signs = np.full(robot.n_joints, np.nan), np.zeros(robot.n_joints)
     if not len(jumps.times):
         return times, signs
-    inertia = mass_matrix(motion.robot, motion.trajectory(jumps.times))
+    inertia = mass_matrix(robot, trajectory(jumps.times))
     own = np.sqrt(np.diagonal(inertia, axis1=1, axis2=2))
     coupled = np.abs(inertia) > _COUPLED * own[:, :, None] * own[:, None, :]
     impulse = np.einsum("kij,kj->ki", np.where(coupled, inertia, 0.0), jumps.sizes)

@@ -1,0 +1,177 @@
+"""The steps of a cycle: what each is, what it takes, and whether two of them join."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from puma_septic.checks import Array, checked_number
+from puma_septic.dynamics import inverse_dynamics, mass_matrix
+from puma_septic.errors import InputError
+from puma_septic.motion import Motion, compute_motion
+from puma_septic.piecewise import Piecewise
+from puma_septic.robot import Actuator, Payload, Robot
+
+__all__ = ["Dwell", "Stretch", "check_join", "check_steps", "gaps", "inertia", "stretch"]
+
+# Steps join where position and velocity differ by less than this part of their largest values (at least 1 rad and
+# 1 rad/s): some thousand roundings of a polynomial's end value.
+_JOINED: Final = 1e-9
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Dwell:
+    """Rest at the point where the step before ends (of a first step: where the next begins).
+
+    Parameters
+    ----------
+    duration : float
+        s.
+    holding_brake : bool
+        A brake at the motor holds the joints: the motors take no torque, the gears still carry the load.
+    payload : Payload, optional
+        What is held meanwhile; None: what the motion before carries (of a first step: the one after). An empty hand is
+        ``Payload(mass=0.0)``.
+    """
+
+    duration: float
+    holding_brake: bool = False
+    payload: Payload | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "duration", checked_number("dwell duration", self.duration, unit="s", above=0.0))
+        if not isinstance(self.holding_brake, bool):
+            raise InputError(f"holding_brake = {self.holding_brake!r}: expected True or False")
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Stretch:
+    """One step of a cycle, from time 0: the arm, and what it does; `load` is the torque without drives."""
+
+    robot: Robot
+    position: Piecewise
+    torque: Piecewise
+    load: Piecewise
+    still: NDArray[np.bool_]
+    braked: bool
+    label: str
+
+
+def check_steps(steps: tuple[Motion | Dwell, ...]) -> None:
+    """Raise an InputError unless these are steps of one arm, at least one of them a motion."""
+    for k, step in enumerate(steps):
+        if not isinstance(step, (Motion, Dwell)):
+            raise InputError(f"steps[{k}]: expected a Motion or a Dwell, got {type(step).__name__}")
+    motions = [(k, step) for k, step in enumerate(steps) if isinstance(step, Motion)]
+    if not motions:
+        raise InputError("a cycle needs at least one motion")
+    first, robot = motions[0][0], motions[0][1].robot
+    for k, motion in motions[1:]:
+        if motion.robot.joint_names != robot.joint_names:
+            raise InputError(
+                f"steps[{k}] moves joints {', '.join(motion.robot.joint_names)},"
+                f" but steps[{first}] moves {', '.join(robot.joint_names)}"
+            )
+        if not _same_drives(robot, motion.robot):
+            raise InputError(f"steps[{k}] has other drives (rotors, friction) than steps[{first}]: one arm per cycle")
+
+
+def _same_drives(one: Robot, other: Robot) -> bool:
+    names = ("armature", "viscous_friction", "coulomb_friction")
+    return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in names)
+
+
+def stretch(steps: tuple[Motion | Dwell, ...], k: int) -> Stretch:
+    """Step k from time 0 on; its load is that of the same arm without drives."""
+    step = steps[k]
+    if isinstance(step, Motion):
+        trajectory = step.trajectory
+        bare = compute_motion(_without_drives(step.robot), trajectory)
+        return Stretch(
+            robot=step.robot,
+            position=_from_zero(trajectory.position),
+            torque=_from_zero(step.torque),
+            load=_from_zero(bare.torque),
+            still=bare.still.astype(bool),
+            braked=False,
+            label=f"steps[{k}] ({trajectory.profile}, {trajectory.duration:g} s)",
+        )
+    return _dwell_stretch(steps, k, step)
+
+
+def _dwell_stretch(steps: tuple[Motion | Dwell, ...], k: int, dwell: Dwell) -> Stretch:
+    """Held where the motion before ends, or the one after begins."""
+    before = [step for step in steps[:k] if isinstance(step, Motion)]
+    motion = before[-1] if before else next(step for step in steps if isinstance(step, Motion))
+    robot = motion.robot if dwell.payload is None else motion.robot.with_payload(dwell.payload)
+    q = motion.trajectory(motion.trajectory.breaks[-1 if before else 0])
+    rest = np.zeros_like(q)
+    load = inverse_dynamics(robot, q, rest, rest, friction=False)
+
+    def held(values: Array) -> Piecewise:
+        return Piecewise(breaks=np.array([0.0, dwell.duration]), coefficients=values[None, None])
+
+    return Stretch(
+        robot=robot,
+        position=held(q),
+        torque=held(rest if dwell.holding_brake else load),
+        load=held(load),
+        still=np.ones((1, len(q)), dtype=bool),
+        braked=dwell.holding_brake,
+        label=f"steps[{k}] (dwell, {dwell.duration:g} s)",
+    )
+
+
+def _without_drives(robot: Robot) -> Robot:
+    return robot.with_actuators((Actuator(),) * robot.n_joints)
+
+
+def _from_zero(f: Piecewise) -> Piecewise:
+    return Piecewise(breaks=f.breaks - f.breaks[0], coefficients=f.coefficients) if f.breaks[0] else f
+
+
+def inertia(stretch: Stretch) -> Piecewise:
+    """``M_jj(q)`` without rotors along a step."""
+    bare = _without_drives(stretch.robot)
+
+    def diagonal(t: Array) -> Array:
+        return np.asarray(np.diagonal(mass_matrix(bare, stretch.position(t)), axis1=1, axis2=2))
+
+    return Piecewise.fit(diagonal, stretch.position.breaks)
+
+
+def check_join(one: Stretch, other: Stretch) -> None:
+    """Raise an InputError with both ends where the second step does not go on from where the first ends."""
+    differences = gaps(one, other, np.zeros(one.robot.n_joints, dtype=bool))
+    if differences:
+        raise InputError(f"{one.label} and {other.label} do not join: {'; '.join(differences)}")
+
+
+def gaps(one: Stretch, other: Stretch, turns: NDArray[np.bool_]) -> list[str]:
+    """Per joint whose position or velocity differs between the end of one step and the start of the other, both.
+
+    Where a joint turns without end, whole turns make no difference.
+    """
+    turned = _gap_lines(one, other, "position", turns)
+    return turned + _gap_lines(one, other, "velocity", np.zeros_like(turns))
+
+
+def _gap_lines(one: Stretch, other: Stretch, what: str, turns: NDArray[np.bool_]) -> list[str]:
+    f, g = one.position, other.position
+    if what == "velocity":
+        f, g = f.derivative(), g.derivative()
+    end, start = f.ends()[1][-1], g.ends()[0][0]
+    gap = start - end
+    gap = np.where(turns, np.remainder(gap + np.pi, 2 * np.pi) - np.pi, gap)
+    reach = np.maximum(*(np.abs(h.coefficients).sum(axis=0).max(axis=0) for h in (f, g)))
+    lines = []
+    for j in np.flatnonzero(~(np.abs(gap) <= _JOINED * np.maximum(1.0, reach))):
+        unit = ("m" if one.robot.is_prismatic[j] else "rad") + ("/s" if what == "velocity" else "")
+        name = one.robot.joint_names[j]
+        lines.append(f"joint {name!r} ends at {what} {end[j]:.9g} {unit}, then starts at {start[j]:.9g} {unit}")
+    return lines

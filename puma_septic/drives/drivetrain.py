@@ -1,0 +1,152 @@
+"""Drivetrain: what stands between the supply and one joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+
+from puma_septic.checks import Array, checked_number
+from puma_septic.drives.values import ABSOLUTE_ZERO_CELSIUS, Drive, Friction, Gearbox, Motor
+from puma_septic.errors import InputError
+
+__all__ = ["Drivetrain"]
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Drivetrain:
+    """Motor, gearbox and drive of one joint, and where they stand.
+
+    The motor's torque is, in the joint's direction and with ``n = abs(gearbox.ratio)``,
+
+    ``inertia n a + transmission tau / n + viscous n v + coulomb sign(v)``,
+
+    where tau is the torque that the gearbox's output carries (links, payload, wrench: no rotor, no friction) and the
+    transmission is 1/efficiency where the motor drives (``tau v > 0``), the backward efficiency where the load drives,
+    and 1 at rest. It is affine in the inertia on each side of the sign of the power. What is not known is left out of
+    it and listed in `left_out`.
+
+    Parameters
+    ----------
+    motor : Motor
+    gearbox : Gearbox
+    drive : Drive
+    measured_friction : Friction, optional
+        Friction measured through the gears. It contains their losses and the motor's own, so it excludes the gearbox's
+        efficiency and no-load torque and the motor's friction.
+    ambient_celsius : float
+        Degrees Celsius; 40 is the customary ambient of motor ratings.
+    max_effort : float
+        Limit of the whole actuator torque referred to the joint (``n`` times the motor's), N m (N); NaN: unknown.
+    momentary_torque : float
+        Torque at the gearbox's output in a collision or emergency stop, N m (N); NaN: unknown.
+    required_life_hours : float
+        Operating hours that the gearbox is to last; NaN: none asked for.
+
+    Raises
+    ------
+    InputError
+        If losses would be counted twice, or for a value out of its bounds.
+
+    Examples
+    --------
+    >>> train = Drivetrain(motor=Motor(rotor_inertia=2e-4), gearbox=Gearbox(ratio=100.0, efficiency=0.8, inertia=1e-4))
+    >>> train.reflected_inertia, train.transmission.tolist()
+    (3.0, [0.8, 1.0, 1.25])
+    """
+
+    motor: Motor
+    gearbox: Gearbox
+    drive: Drive = field(default_factory=Drive)
+    measured_friction: Friction | None = None
+    ambient_celsius: float = 40.0
+    max_effort: float = np.nan
+    momentary_torque: float = np.nan
+    required_life_hours: float = np.nan
+
+    def __post_init__(self) -> None:
+        checked_number("ambient_celsius", self.ambient_celsius, unit="degrees Celsius", above=ABSOLUTE_ZERO_CELSIUS)
+        for name, unit in (("max_effort", "N m"), ("momentary_torque", "N m"), ("required_life_hours", "h")):
+            if not np.isnan(getattr(self, name)):
+                checked_number(name, getattr(self, name), unit=unit, above=0.0)
+        if self.measured_friction is not None:
+            self._refuse_double_losses()
+
+    def _refuse_double_losses(self) -> None:
+        losses = {
+            "gearbox.efficiency": self.gearbox.efficiency,
+            "gearbox.backward_efficiency": self.gearbox.backward_efficiency,
+            "gearbox.no_load_torque": self.gearbox.no_load_torque,
+            "motor.viscous_friction": self.motor.viscous_friction,
+            "motor.coulomb_friction": self.motor.coulomb_friction,
+        }
+        twice = [f"{name} = {value:g}" for name, value in losses.items() if not np.isnan(value)]
+        if twice:
+            raise InputError(
+                f"measured_friction already contains the losses of motor and gears, but {', '.join(twice)} is given"
+                " too; give either the measured friction or those"
+            )
+
+    @property
+    def ratio(self) -> float:
+        """Magnitude of the gear ratio."""
+        return abs(self.gearbox.ratio)
+
+    @property
+    def inertia(self) -> float:
+        """Rotor and gear input inertia at the motor, kg m^2; unknown parts are left out."""
+        return float(np.nansum([self.motor.rotor_inertia, self.gearbox.inertia]))
+
+    @property
+    def reflected_inertia(self) -> float:
+        """The same at the joint, ``inertia ratio^2``."""
+        return self.inertia * self.ratio**2
+
+    @property
+    def transmission(self) -> Array:
+        """Factors of the load torque where the load drives, at rest, and where the motor drives, shape (3,)."""
+        if self.measured_friction is not None or np.isnan(self.gearbox.efficiency):
+            return np.ones(3)
+        backward = self.gearbox.backward_efficiency
+        return np.array(
+            [self.gearbox.efficiency if np.isnan(backward) else backward, 1.0, 1 / self.gearbox.efficiency]
+        )
+
+    @property
+    def viscous_friction(self) -> float:
+        """At the motor, N m s/rad; 0 where unknown."""
+        measured = self.measured_friction
+        return float(np.nan_to_num(self.motor.viscous_friction if measured is None else measured.viscous))
+
+    @property
+    def coulomb_friction(self) -> Array:
+        """At the motor for negative velocity, at rest and for positive, N m, shape (3,); unknown parts left out."""
+        if self.measured_friction is not None:
+            positive, negative = np.nan_to_num(self.measured_friction.coulomb)
+            return np.array([negative, 0.0, positive])
+        size = np.nansum([self.motor.coulomb_friction, self.gearbox.no_load_torque])
+        return np.array([-size, 0.0, size])
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """What the motor's torque lacks because it is not known."""
+        measured, missing = self.measured_friction, []
+        if np.isnan(self.motor.rotor_inertia):
+            missing.append("rotor inertia")
+        if measured is None and np.isnan(self.gearbox.inertia) and self.ratio != 1:
+            missing.append("input inertia of the gears")
+        if measured is None and np.isnan(self.gearbox.efficiency):
+            missing.append("losses of the gears (neither efficiency nor measured friction)")
+        if measured is not None and (np.isnan(measured.viscous) or np.isnan(measured.coulomb).any()):
+            missing.append("measured friction (viscous or Coulomb part)")
+        return tuple(missing)
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What was taken for a value that is not known."""
+        forward, backward = self.gearbox.efficiency, self.gearbox.backward_efficiency
+        if self.measured_friction is None and np.isnan(backward) and not np.isnan(forward):
+            return (f"backward efficiency of the gears as forward: {forward:g}",)
+        return ()

@@ -148,6 +148,10 @@ def test_batch_is_the_single_call_repeated(puma: ps.Robot, rng: np.random.Genera
         np.testing.assert_allclose(batch.q[k], one.q, rtol=0, atol=1e-12)
         np.testing.assert_array_equal(batch.within_limits[k], one.within_limits)
     assert batch.out_of_reach.max() == 0.0
+    times = 60  # 1,200 poses, more than are solved at once
+    many = ps.inverse_kinematics_batch(puma, np.tile(poses, (times, 1, 1)), q_near=np.tile(q, (times, 1)))
+    np.testing.assert_allclose(many.q, np.tile(batch.q, (times, 1, 1)), rtol=0, atol=1e-12)
+    assert many.residual.shape == many.within_limits.shape == (1200, 8)
 
 
 def test_whole_turns_are_chosen_within_the_limits(puma: ps.Robot) -> None:

@@ -149,9 +149,7 @@ def checked_joint_values(robot: Robot, name: str, values: ArrayLike) -> Array:
         if numbers.ndim in (1, 2) and numbers.shape[-1] == robot.n_joints and numbers.dtype.kind in "fiu":
             bad = tuple(np.argwhere(~np.isfinite(numbers))[0])
             joint, index = robot.joint_names[bad[-1]], ", ".join(map(str, bad))
-            raise InputError(
-                f"joint {joint!r}: {name}[{index}] = {numbers[bad]} is not a finite number"
-            ) from error
+            raise InputError(f"joint {joint!r}: {name}[{index}] = {numbers[bad]} is not a finite number") from error
         joints = ", ".join(robot.joint_names)
         raise InputError(f"{error}: expected one number per joint ({joints}), or rows of them") from error
     return array[None] if one else array
@@ -161,9 +159,7 @@ def _axis(model: Any, index: int) -> tuple[Array, bool]:
     """A joint's axis in its own frame, and whether it slides along it."""
     joint, name = model.joints[index], model.names[index]
     if joint.nv != 1:
-        raise ModelError(
-            f"joint {name!r}: {joint.nv} degrees of freedom; only revolute and prismatic joints are known"
-        )
+        raise ModelError(f"joint {name!r}: {joint.nv} degrees of freedom; only revolute and prismatic joints are known")
     data = joint.createData()
     joint.calc(data, np.zeros(model.nq))
     linear, angular = np.ravel(data.S)[:3], np.ravel(data.S)[3:]
@@ -184,6 +180,4 @@ def _z_onto(axis: Array) -> Array:
 
 def _frame_id(model: Any, name: str) -> int:
     """Index of a frame that exists; where a link and a joint share the name, the link is meant."""
-    return int(
-        model.getFrameId(name, pin.FrameType.BODY) if model.existBodyName(name) else model.getFrameId(name)
-    )
+    return int(model.getFrameId(name, pin.FrameType.BODY) if model.existBodyName(name) else model.getFrameId(name))

@@ -15,7 +15,7 @@ from puma_septic.kinematics.puma import JOINT_OF_ROW, PumaGeometry, branches, by
 from puma_septic.kinematics.turns import resting, wrapped
 from puma_septic.robot import Robot
 
-__all__ = ["REACH_TOLERANCE", "Branches", "solve_branches", "why_out_of_reach"]
+__all__ = ["REACH_TOLERANCE", "Branches", "solve_branches", "solve_in_blocks", "why_out_of_reach"]
 
 # Poses of which the wrist centre lies this far out of reach, in m, are taken for rounded ones of the fully
 # stretched arm or the closest one.
@@ -29,6 +29,8 @@ SINGULAR = 1e-6
 # been freed once, glibc returns smaller ones to the system each time and faults them in again at the next
 # call: for 1,000 poses that takes half as long again as the solving.
 KEPT_NUMBERS = 1 << 21
+# Poses solved at once: more would take memory and bring no speed.
+BLOCK = 1000
 
 
 @final
@@ -45,13 +47,31 @@ class Branches:
     distance: Array
 
 
+def solve_in_blocks(robot: Robot, geometry: PumaGeometry, target: Array, q_near: Array | None) -> Branches:
+    """`solve_branches` for any number of poses, so many at once that memory stays small."""
+    n = target.shape[2]
+    if n <= BLOCK:
+        return solve_branches(robot, geometry, target, q_near)
+    parts = []
+    for start in range(0, n, BLOCK):
+        piece = slice(start, start + BLOCK)
+        near = q_near[piece] if q_near is not None and len(q_near) == n else q_near
+        parts.append(solve_branches(robot, geometry, target[:, :, piece], near))
+    return Branches(
+        q=np.concatenate([part.q for part in parts]),
+        residual=np.concatenate([part.residual for part in parts]),
+        singular=np.concatenate([part.singular for part in parts]),
+        distance=np.concatenate([part.distance for part in parts]),
+    )
+
+
 def solve_branches(robot: Robot, geometry: PumaGeometry, target: Array, q_near: Array | None) -> Branches:
-    """Solve for poses of shape (4, 3, n); `q_near` has shape (n_joints,) or (n, n_joints)."""
+    """Solve for poses of shape (4, 3, n); `q_near` has shape (1, n_joints) or (n, n_joints)."""
     np.empty(KEPT_NUMBERS)
     columns = chain_to(robot).columns
     wrist = _from_shoulder(geometry, target)
     wrist[3], distance = into_reach(geometry, wrist[3])
-    near = None if q_near is None else np.moveaxis(q_near, -1, 0)
+    near = None if q_near is None else q_near.T
     rows, singular_distances = branches(geometry, wrist, 0.0 if near is None else near[columns[3]])
     angles = by_joint(wrapped(robot, rows, columns[JOINT_OF_ROW], near))
     residual = _residual(robot, target, angles)

@@ -11,7 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 from puma_septic.checks import Array, checked_array, checked_choice, checked_number, read_only
 from puma_septic.errors import InputError, ModelError, NoSolution
 from puma_septic.kinematics.chain import chain_to, checked_joint_values, end_frame
-from puma_septic.kinematics.closed_form import REACH_TOLERANCE, Branches, solve_branches, why_out_of_reach
+from puma_septic.kinematics.closed_form import (
+    REACH_TOLERANCE,
+    Branches,
+    solve_branches,
+    solve_in_blocks,
+    why_out_of_reach,
+)
 from puma_septic.kinematics.numeric import SOLVED, distinct, end_errors, is_singular, solve_from_starts
 from puma_septic.kinematics.poses import checked_poses
 from puma_septic.kinematics.puma import CONFIGURATIONS, SINGULARITIES, PumaGeometry, puma_geometry
@@ -150,7 +156,7 @@ def inverse_kinematics(
     if geometry is None:
         count = int(checked_number("starts", starts, at_least=1))
         return _numeric(robot, target, near, count, np.random.default_rng(0) if rng is None else rng)
-    found = solve_branches(robot, geometry, target, near)
+    found = solve_branches(robot, geometry, target, None if near is None else near[None])
     if found.distance[0] > REACH_TOLERANCE:
         raise _out_of_reach(robot, geometry, target, found, near)
     return IkSolutions(
@@ -158,16 +164,13 @@ def inverse_kinematics(
         configurations=CONFIGURATIONS,
         within_limits=within(robot, found.q[0]),
         singular=tuple(
-            tuple(name for name, at in zip(SINGULARITIES, row, strict=True) if at)
-            for row in found.singular[0]
+            tuple(name for name, at in zip(SINGULARITIES, row, strict=True) if at) for row in found.singular[0]
         ),
         residual=read_only(found.residual[0]),
     )
 
 
-def inverse_kinematics_batch(
-    robot: Robot, T_world_tool: ArrayLike, *, q_near: ArrayLike | None = None
-) -> IkBatch:
+def inverse_kinematics_batch(robot: Robot, T_world_tool: ArrayLike, *, q_near: ArrayLike | None = None) -> IkBatch:
     """Find all eight branches of a PUMA for many poses at once, as `inverse_kinematics` does for one.
 
     Parameters
@@ -209,7 +212,7 @@ def inverse_kinematics_batch(
     near = None if q_near is None else checked_joint_values(robot, "q_near", q_near)
     if near is not None and len(near) not in (1, target.shape[2]):
         raise InputError(f"q_near: {len(near)} rows for {target.shape[2]} poses; give one row, or one each")
-    found = solve_branches(robot, geometry, target, near)
+    found = solve_in_blocks(robot, geometry, target, near)
     for array in (found.q, found.distance, found.singular, found.residual):
         array.setflags(write=False)
     return IkBatch(
@@ -249,16 +252,13 @@ def _out_of_reach(
     left = end_errors(chain_to(robot), target, q[None])[0]
     distance = float(found.distance[0])
     return NoSolution(
-        f"T_world_tool is out of reach by {distance:.6g} m: {why_out_of_reach(geometry, target)};"
-        f" {_left(q, left)}",
+        f"T_world_tool is out of reach by {distance:.6g} m: {why_out_of_reach(geometry, target)}; {_left(q, left)}",
         residual=distance,
         q=q,
     )
 
 
-def _numeric(
-    robot: Robot, target: Array, near: Array | None, starts: int, rng: np.random.Generator
-) -> IkSolutions:
+def _numeric(robot: Robot, target: Array, near: Array | None, starts: int, rng: np.random.Generator) -> IkSolutions:
     """The distinct answers of damped least squares, those within the limits first."""
     q, errors = solve_from_starts(robot, target, near, starts=starts, rng=rng)
     size = np.abs(errors).max(axis=1)

@@ -58,4 +58,4 @@ def singularity_scales(robot: Robot, q: Array) -> Array:
     if names == SINGULARITIES:
         return np.ones(len(names))
     bound = np.linalg.norm(jacobian(robot, q), axis=1).prod(axis=1).max(keepdims=True)
-    return bound if names == ("determinant",) else bound**2
+    return np.asarray(bound if names == ("determinant",) else bound**2)

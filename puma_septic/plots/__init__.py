@@ -4,11 +4,13 @@ Colours are Okabe and Ito's, told apart by colour-blind readers. Every axis has 
 """
 
 from puma_septic.plots.joints import plot_joints, plot_trajectory
+from puma_septic.plots.paper import paper_figures
 from puma_septic.plots.torque import plot_torque, plot_torque_split
 from puma_septic.plots.utilisation import plot_utilisation
 from puma_septic.plots.workspace import plot_workspace
 
 __all__ = [
+    "paper_figures",
     "plot_joints",
     "plot_torque",
     "plot_torque_split",

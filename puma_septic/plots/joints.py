@@ -124,9 +124,7 @@ def plot_joints(
     robot = group[0].motion.robot
     wanted = tuple(orders)
     if not wanted:
-        raise InputError(
-            "orders: at least one of 0 (position), 1 (velocity), 2 (acceleration), 3 (jerk) is needed"
-        )
+        raise InputError("orders: at least one of 0 (position), 1 (velocity), 2 (acceleration), 3 (jerk) is needed")
     figure = new_figure(0.7 + 1.55 * robot.n_joints)
     grid = figure.subplots(robot.n_joints, len(wanted), sharex=True, squeeze=False)
     for column, order in enumerate(wanted):

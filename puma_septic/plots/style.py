@@ -71,9 +71,7 @@ def new_figure(height: float, width: float = 9.0) -> Picture:
     return Picture(figsize=(width, height), dpi=DPI, layout="constrained")
 
 
-def as_group(
-    what: Drawn | Sequence[Drawn], kind: type[Drawn], n_joints: Callable[[Drawn], int]
-) -> tuple[Drawn, ...]:
+def as_group(what: Drawn | Sequence[Drawn], kind: type[Drawn], n_joints: Callable[[Drawn], int]) -> tuple[Drawn, ...]:
     """One value or a sequence of them as a tuple.
 
     Raises
@@ -96,10 +94,7 @@ def unique_labels(names: Sequence[str], given: Sequence[str] | None) -> list[str
         if len(given) != len(names) or isinstance(given, str):
             raise InputError(f"labels: {len(names)} texts are needed, one for each curve, got {given!r}")
         return list(given)
-    return [
-        name if names.count(name) == 1 else f"{name} {names[: k + 1].count(name)}"
-        for k, name in enumerate(names)
-    ]
+    return [name if names.count(name) == 1 else f"{name} {names[: k + 1].count(name)}" for k, name in enumerate(names)]
 
 
 def colour_of(k: int) -> str:
@@ -136,9 +131,7 @@ def tidy(panel: Axes, *, x: str = "time [s]", y: str = "", ticks: int = 5) -> No
 
 def sampled(function: Piecewise) -> tuple[Array, Array]:
     """Instants (k,) and values (k, m) to draw; each break occurs twice, with the values of both its sides."""
-    counts = np.maximum(
-        _LEAST_SAMPLES, np.ceil(_SAMPLES * np.diff(function.breaks) / function.duration)
-    ).astype(int)
+    counts = np.maximum(_LEAST_SAMPLES, np.ceil(_SAMPLES * np.diff(function.breaks) / function.duration)).astype(int)
     left, right = function.ends()
     times, values = [], []
     for i, count in enumerate(counts):

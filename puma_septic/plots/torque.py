@@ -37,9 +37,7 @@ _CAUSES: Final = ("#0072B2", "#56B4E9", "#009E73", "#CC79A7", "#E69F00", "#D55E0
 _NEGLIGIBLE: Final = 1e-9
 
 
-def plot_torque(
-    assessment: Assessment | Sequence[Assessment], *, labels: Sequence[str] | None = None
-) -> Figure:
+def plot_torque(assessment: Assessment | Sequence[Assessment], *, labels: Sequence[str] | None = None) -> Figure:
     """Draw the actuator torque of each joint with its effort limit; a diamond marks the peak.
 
     Steps, as Coulomb friction makes them where a joint reverses, are vertical lines. Where the torque is

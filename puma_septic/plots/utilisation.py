@@ -31,9 +31,7 @@ __all__ = ["plot_utilisation"]
 _CUT: Final = 200.0
 
 
-def plot_utilisation(
-    assessment: Assessment | Sequence[Assessment], *, labels: Sequence[str] | None = None
-) -> Figure:
+def plot_utilisation(assessment: Assessment | Sequence[Assessment], *, labels: Sequence[str] | None = None) -> Figure:
     """Draw each demand as a bar in per cent of its limit; beyond the line at 100 % the limit is broken.
 
     For positions, 100 % is the end of the range and 0 % its middle. A limit that is not known says so.
@@ -57,11 +55,7 @@ def plot_utilisation(
     """
     group = as_group(assessment, Assessment, lambda one: one.motion.robot.n_joints)
     names = unique_labels([one.motion.trajectory.profile for one in group], labels)
-    known = [
-        quantity
-        for quantity in QUANTITIES
-        if any(c.quantity == quantity for one in group for c in one.checks)
-    ]
+    known = [quantity for quantity in QUANTITIES if any(c.quantity == quantity for one in group for c in one.checks)]
     unknown = [quantity for quantity in QUANTITIES if quantity not in known]
     joints = group[0].motion.robot.joint_names
     figure = new_figure(1.0 + 0.16 * len(joints) * (len(group) + 1))
@@ -79,9 +73,7 @@ def plot_utilisation(
     handles.append(Line2D([], [], label="limit", **LIMIT))
     place_legend(figure, handles)
     if unknown:
-        figure.supxlabel(
-            f"not assessed, for want of a known limit: {', '.join(unknown)}", fontsize=8, color="0.25"
-        )
+        figure.supxlabel(f"not assessed, for want of a known limit: {', '.join(unknown)}", fontsize=8, color="0.25")
     return figure
 
 
@@ -99,9 +91,7 @@ def _draw_bars(panel: Axes, group: Sequence[Assessment], quantity: str) -> None:
         panel.barh(where, np.minimum(np.nan_to_num(used), _CUT), 0.9 * thick, color=colour_of(k))
         widest = max(widest, min(_CUT, np.nanmax(np.append(used, 0.0))))
         for y, percent, is_broken in zip(where, used, broken, strict=True):
-            text = (
-                "not known" if np.isnan(percent) else "unbounded" if np.isinf(percent) else f"{percent:.0f}"
-            )
+            text = "not known" if np.isnan(percent) else "unbounded" if np.isinf(percent) else f"{percent:.0f}"
             panel.annotate(
                 text + ("!" if is_broken else ""),
                 (min(np.nan_to_num(percent), _CUT), y),

@@ -26,9 +26,7 @@ from puma_septic.plots.style import (
 __all__ = ["plot_workspace"]
 
 
-def plot_workspace(
-    assessment: Assessment | Sequence[Assessment], *, labels: Sequence[str] | None = None
-) -> Figure:
+def plot_workspace(assessment: Assessment | Sequence[Assessment], *, labels: Sequence[str] | None = None) -> Figure:
     """Draw the tool's path in space and its height over time, with the via points.
 
     The axes are the robot's world, all three to one scale.

@@ -1,0 +1,22 @@
+"""The paper's task, tables and claims, reproduced and judged.
+
+Raji, Asaolu and Akano, Joint Space Robot Arm Trajectory Planning Using Septic Function.
+"""
+
+from puma_septic.paper.claim import VERDICTS, Claim
+from puma_septic.paper.durations import LeastDuration
+from puma_septic.paper.evidence import ComputingTimes, Evidence
+from puma_septic.paper.inputs import PAPER, PaperInputs
+from puma_septic.paper.report import PaperReport, reproduce
+
+__all__ = [
+    "PAPER",
+    "VERDICTS",
+    "Claim",
+    "ComputingTimes",
+    "Evidence",
+    "LeastDuration",
+    "PaperInputs",
+    "PaperReport",
+    "reproduce",
+]

@@ -35,6 +35,8 @@ _HOMES: Final = {
     "jacobian": "kinematics",
     "load_robot": "robot",
     "lspb": "profiles",
+    "paper": "paper",
+    "plots": "plots",
     "profiles": "profiles",
     "quintic_segments": "profiles",
     "septic": "profiles",
@@ -45,6 +47,8 @@ _HOMES: Final = {
 __all__ = ["__version__", *_HOMES]
 
 if TYPE_CHECKING:
+    from puma_septic import paper as paper
+    from puma_septic import plots as plots
     from puma_septic import profiles as profiles
     from puma_septic.assessment import Assessment as Assessment
     from puma_septic.assessment import assess as assess

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from math import perm
 
@@ -13,9 +14,10 @@ from puma_septic.checks import Array, checked_array
 from puma_septic.piecewise import Piecewise
 from puma_septic.piecewise.matrices import from_power_matrix
 from puma_septic.profiles.points import checked_points, checked_via_times, named
+from puma_septic.profiles.quintic import quintic_segments
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["classic_septic", "cubic", "quintic"]
+__all__ = ["classic_septic", "cubic", "from_boundary_values", "quintic"]
 
 
 def cubic(
@@ -54,7 +56,7 @@ def cubic(
     >>> float(move(1.0, order=1)[0])
     1.0
     """
-    return _hermite("cubic", points, times, [velocities], joint_names)
+    return from_boundary_values("cubic", points, times, [velocities], _polynomials(1), joint_names)
 
 
 def quintic(
@@ -94,7 +96,10 @@ def quintic(
     >>> float(move.extrema(1).max[0])
     1.875
     """
-    return _hermite("quintic", points, times, [velocities, accelerations], joint_names)
+    segments = quintic_segments(
+        points, times, velocities=velocities, accelerations=accelerations, joint_names=joint_names
+    )
+    return replace(segments, profile="quintic")
 
 
 def classic_septic(
@@ -134,17 +139,23 @@ def classic_septic(
     >>> float(move.extrema(1).max[0])
     2.1875
     """
-    return _hermite("classic_septic", points, times, [velocities, accelerations, jerks], joint_names)
+    derivatives = [velocities, accelerations, jerks]
+    return from_boundary_values("classic_septic", points, times, derivatives, _polynomials(3), joint_names)
 
 
-def _hermite(
+def from_boundary_values(
     profile: str,
     points: ArrayLike,
     times: ArrayLike,
     derivatives: Sequence[ArrayLike | None],
+    laws: Array,
     joint_names: Sequence[str] | None,
 ) -> Trajectory:
-    """Segments of the degree that position and the given derivatives at both ends determine."""
+    """Segments that position and the given derivatives at both ends determine.
+
+    `laws` (degree + 1, 2 (r + 1)) holds the Chebyshev coefficients of one motion for each boundary value, in
+    s: position to derivative r at s = 0, then at s = 1.
+    """
     vias = checked_points(profile, points)
     instants = checked_via_times(times, vias)
     names = ("velocities", "accelerations", "jerks")
@@ -158,7 +169,7 @@ def _hermite(
     # zero.
     start = [np.zeros_like(vias[1:]), *(x[:-1] * T ** (k + 1) for k, x in enumerate(known))]
     end = [np.diff(vias, axis=0), *(x[1:] * T ** (k + 1) for k, x in enumerate(known))]
-    series = np.tensordot(_hermite_matrix(len(known)), np.stack(start + end), 1)
+    series = np.tensordot(laws, np.stack(start + end), 1)
     series[0] += vias[:-1]
     return Trajectory(
         position=Piecewise(breaks=instants, coefficients=series),
@@ -170,12 +181,10 @@ def _hermite(
 
 
 @lru_cache(maxsize=4)
-def _hermite_matrix(order: int) -> Array:
-    """Chebyshev coefficients from the derivatives 0 ... order by s, at s = 0 and then at s = 1."""
+def _polynomials(order: int) -> Array:
+    """One polynomial for each boundary value, see `from_boundary_values`."""
     size = 2 * (order + 1)
-    conditions = np.array(
-        [[perm(k, r) * (s or k == r) for k in range(size)] for s in (0, 1) for r in range(order + 1)]
-    )
+    conditions = np.array([[perm(k, r) * (s or k == r) for k in range(size)] for s in (0, 1) for r in range(order + 1)])
     # The inverse consists of multiples of 1/6 up to degree 7: rounding to them makes it exact.
     inverse = np.round(6 * np.linalg.inv(conditions)) / 6
     return np.asarray(from_power_matrix(size - 1) @ inverse)

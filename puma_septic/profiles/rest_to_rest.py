@@ -140,9 +140,7 @@ def modified_trapezoidal(
     return _stopping("modified_trapezoidal", points, times, _modified_trapezoidal_law(), joint_names)
 
 
-def modified_sine(
-    points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | None = None
-) -> Trajectory:
+def modified_sine(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | None = None) -> Trajectory:
     """A sine acceleration that rises and ends three times as fast as it turns over.
 
     Acceleration ``A sin(4 pi s)`` up to s = 1/8, ``A sin(pi/3 (1 + 4 s))`` up to 7/8, ``A sin(4 pi s)`` at
@@ -179,9 +177,7 @@ def _stopping(
     instants = checked_via_times(times, vias)
     inner = instants[:-1, None] * (1 - law.breaks[:-1]) + instants[1:, None] * law.breaks[:-1]
     pieces = len(law.breaks) - 1
-    series = np.tile(law.coefficients, (1, len(vias) - 1, 1)) * np.repeat(
-        np.diff(vias, axis=0), pieces, axis=0
-    )
+    series = np.tile(law.coefficients, (1, len(vias) - 1, 1)) * np.repeat(np.diff(vias, axis=0), pieces, axis=0)
     series[0] += np.repeat(vias[:-1], pieces, axis=0)
     return Trajectory(
         position=Piecewise(breaks=np.append(inner.ravel(), instants[-1]), coefficients=series),
@@ -192,9 +188,7 @@ def _stopping(
     )
 
 
-def _from_jerk(
-    breaks: Array, jerks: Sequence[Callable[[Array], Array]], start_acceleration: float = 0.0
-) -> Piecewise:
+def _from_jerk(breaks: Array, jerks: Sequence[Callable[[Array], Array]], start_acceleration: float = 0.0) -> Piecewise:
     """A law from its jerk, one smooth function for each interval."""
     # Fitted one by one, so that each is asked for its own value at a common break.
     fits = [smooth_series(f, *breaks[i : i + 2]) for i, f in enumerate(jerks)]

@@ -16,6 +16,8 @@ __all__ = ["Condition", "at_ends", "solve_segments", "through"]
 
 # (time in s, order of the derivative, value of shape (n_joints,))
 Condition = tuple[float, int, Array]
+# Parts of an equation: (segment, its coefficients' factors).
+_Row = list[tuple[int, Array]]
 # Largest correction by refinement, relative to the movement, that leaves positions right to 1e-9: refinement
 # does not see the rounding of the times themselves, which was measured (against rational arithmetic) to cost
 # up to 60 times more.
@@ -60,29 +62,20 @@ def solve_segments(
     lengths = np.diff(breaks)
     first = np.concatenate([[0], np.cumsum(np.asarray(degrees) + 1)])
     origin = conditions[0][2]
-    equations, values = [], []
-    for t, order, value in conditions:
-        i = int(np.searchsorted(breaks[1:-1], t, side="right"))
-        row = np.zeros(first[-1])
-        x = 2 * (t - breaks[i]) / lengths[i] - 1
-        row[first[i] : first[i + 1]] = _derivative_row(degrees[i], order, x)
-        equations.append(row)
-        values.append((value if order else value - origin) * (lengths[i] / 2) ** order)
-    for i in range(1, len(lengths)):
-        shorter = min(lengths[i - 1], lengths[i])
-        for order in range(continuity + 1):
-            row = np.zeros(first[-1])
-            left, right = ((shorter / lengths[k]) ** order for k in (i - 1, i))
-            row[first[i - 1] : first[i]] = -left * _derivative_row(degrees[i - 1], order, 1.0)
-            row[first[i] : first[i + 1]] = right * _derivative_row(degrees[i], order, -1.0)
-            equations.append(row)
-            values.append(np.zeros_like(origin))
-    solution, doubt = _solved(np.array(equations), np.array(values))
+    rows = _condition_rows(breaks, degrees, conditions) + _continuity_rows(lengths, degrees, continuity)
+    equations = np.zeros((len(rows), first[-1]))
+    for equation, row in zip(equations, rows, strict=True):
+        for i, part in row:
+            equation[first[i] : first[i + 1]] = part
+    values = np.zeros((len(rows), len(origin)))
+    for k, (_, order, value) in enumerate(conditions):
+        values[k] = value if order else value - origin
+    solution, doubt = _solved(equations, values)
     if doubt > _ALLOWED_DOUBT:
         raise InputError(
             f"degree {max(degrees)} with segments of {lengths.min():g} s to {lengths.max():g} s is too"
-            f" ill-conditioned: refining the solution changes it by {doubt:.1e} of the movement, at most"
-            f" {_ALLOWED_DOUBT:g} is allowed to hold positions to 1e-9; use a lower degree, fewer points in one"
+            f" ill-conditioned: refining the solution changes it by {doubt:.1e} of the movement, but at most"
+            f" {_ALLOWED_DOUBT:g} lets positions hold to 1e-9; use a lower degree, fewer points in one"
             " polynomial or more even times"
         )
     series = np.zeros((max(degrees) + 1, len(lengths), len(origin)))
@@ -90,6 +83,29 @@ def solve_segments(
         series[: degree + 1, i] = solution[first[i] : first[i + 1]]
     series[0] += origin
     return Piecewise(breaks=breaks, coefficients=series)
+
+
+def _condition_rows(breaks: Array, degrees: Sequence[int], conditions: Sequence[Condition]) -> list[_Row]:
+    """A derivative by time at a time; at a break, of the segment that begins there."""
+    rows: list[_Row] = []
+    for t, order, _ in conditions:
+        i = int(np.searchsorted(breaks[1:-1], t, side="right"))
+        half = (breaks[i + 1] - breaks[i]) / 2
+        row = _derivative_row(degrees[i], order, float((t - breaks[i]) / half - 1))
+        rows.append([(i, row / half**order)])
+    return rows
+
+
+def _continuity_rows(lengths: Array, degrees: Sequence[int], continuity: int) -> list[_Row]:
+    """The derivatives of neighbours at their break differ by zero."""
+    rows: list[_Row] = []
+    for i in range(1, len(lengths)):
+        shorter = min(lengths[i - 1], lengths[i])
+        for order in range(continuity + 1):
+            before, after = (shorter / lengths[i - 1]) ** order, (shorter / lengths[i]) ** order
+            left = -before * _derivative_row(degrees[i - 1], order, 1.0)
+            rows.append([(i - 1, left), (i, after * _derivative_row(degrees[i], order, -1.0))])
+    return rows
 
 
 def _solved(equations: Array, values: Array) -> tuple[Array, float]:

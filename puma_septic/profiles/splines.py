@@ -138,9 +138,7 @@ def _free_knots(times: Array, given: ArrayLike | None) -> Array:
     return knots
 
 
-def quintic_spline(
-    points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | None = None
-) -> Trajectory:
+def quintic_spline(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | None = None) -> Trajectory:
     """The quintic spline from rest to rest: continuous to the fourth derivative at the vias.
 
     Of all curves through the points with velocity and acceleration zero at both ends, the one with the least
@@ -171,9 +169,7 @@ def quintic_spline(
     return _rest_spline("quintic_spline", points, times, joint_names, order=2)
 
 
-def septic_spline(
-    points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | None = None
-) -> Trajectory:
+def septic_spline(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | None = None) -> Trajectory:
     """The septic spline from rest to rest: continuous to the sixth derivative at the vias.
 
     Of all curves through the points with velocity, acceleration and jerk zero at both ends, the one with the

@@ -1,0 +1,75 @@
+"""The Bezier curve of the points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import comb
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from puma_septic.checks import Array
+from puma_septic.piecewise import Piecewise, matrices
+from puma_septic.profiles.integrating import integrated
+from puma_septic.profiles.points import checked_points, checked_via_times, named
+from puma_septic.trajectory import Trajectory
+
+__all__ = ["bezier"]
+
+
+def bezier(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | None = None) -> Trajectory:
+    """One Bezier curve with the points as control polygon, at rest at both ends.
+
+    ``q = sum_i C(n, i) s^i (1 - s)^(n - i) P_i``, s = (t - t_0)/(t_end - t_0); the first and last point count
+    three times, so velocity and acceleration are zero there, and the degree is n = k + 3. It misses the vias
+    between, by more the more there are, and never leaves the hull of the points; infinitely smooth inside,
+    the jerk steps at both ends. Two points give the quintic from rest to rest. For reference (Biagiotti and
+    Melchiorri, Trajectory Planning for Automatic Machines and Robots, appendix B).
+
+    Parameters
+    ----------
+    points : array_like, shape (k, n_joints)
+        At least two, rad (m for prismatic joints).
+    times : array_like, shape (k,)
+        Strictly increasing, s; only the first and the last determine the curve.
+    joint_names : sequence of str, optional
+
+    Raises
+    ------
+    InputError
+        For fewer than two points, times that do not increase, non-finite or misshapen arrays.
+
+    Examples
+    --------
+    >>> from puma_septic import profiles
+    >>> move = profiles.bezier([[0.0], [1.0]], [0.0, 1.0])
+    >>> round(float(move.extrema(1).max[0]), 12)
+    1.875
+    """
+    vias = checked_points("bezier", points)
+    instants = checked_via_times(times, vias)
+    control = np.concatenate([vias[:1], vias[:1], vias, vias[-1:], vias[-1:]])
+    degree = len(control) - 1
+    # The jerk is a Bezier curve too, of the third differences.
+    scale = degree * (degree - 1) * (degree - 2) / (instants[-1] - instants[0]) ** 3
+    jerk = Piecewise(
+        breaks=instants[[0, -1]],
+        coefficients=_bernstein_series(scale * np.diff(control, n=3, axis=0))[:, None],
+    )
+    rest = np.zeros(vias.shape[1])
+    return Trajectory(
+        position=integrated(jerk, rest, rest, vias[0]),
+        points=vias,
+        times=instants,
+        profile="bezier",
+        joint_names=named(joint_names),
+    )
+
+
+def _bernstein_series(control: Array) -> Array:
+    """Chebyshev coefficients of a Bezier curve, from its values at the nodes."""
+    degree = len(control) - 1
+    s = (matrices.nodes(degree)[:, None] + 1) / 2
+    i = np.arange(degree + 1)
+    basis = np.array([float(comb(degree, k)) for k in i]) * s**i * (1 - s) ** (degree - i)
+    return np.asarray(matrices.coefficients_from_values(degree) @ basis @ control)

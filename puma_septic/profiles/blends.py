@@ -1,0 +1,223 @@
+"""Straight lines joined by symmetric blends: parabolic (trapezoidal velocity) and of higher degree."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import comb
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from puma_septic.checks import Array, checked_array
+from puma_septic.errors import InputError
+from puma_septic.piecewise import Piecewise
+from puma_septic.profiles.labels import joint_labels
+from puma_septic.profiles.phases import side_by_side
+from puma_septic.profiles.points import boundary, checked_points, checked_via_times, named
+from puma_septic.trajectory import Trajectory
+
+__all__ = ["polynomial_blends", "trapezoidal"]
+
+_DEGREES = (3, 5, 7, 9)
+
+
+def trapezoidal(
+    points: ArrayLike,
+    times: ArrayLike,
+    *,
+    blend_time: ArrayLike | None = None,
+    cruise_velocity: ArrayLike | None = None,
+    joint_names: Sequence[str] | None = None,
+) -> Trajectory:
+    """Linear segments with parabolic blends (LSPB): the velocity of each joint is a trapezoid, or a row of
+    them.
+
+    Between two points, with blends of length Ta at both ends, the cruise velocity is ``v_c = h / (T - Ta)``,
+    in [h/T, 2h/T], and the acceleration ``v_c / Ta`` (Biagiotti and Melchiorri, section 3.2). Through several
+    points, blends of length b are centred on the vias, and the first and last lie inside their segments
+    (Craig, Introduction to Robotics, section 7.3): a via is missed by ``b dv / 8``, dv the change of velocity
+    across it. The acceleration steps at both ends of each blend. `lspb` is the smoother motion that Corke's
+    toolbox makes of the same idea.
+
+    Parameters
+    ----------
+    points : array_like, shape (k, n_joints)
+        At least two, rad (m for prismatic joints).
+    times : array_like, shape (k,)
+        Strictly increasing, s.
+    blend_time : array_like, shape () or (k,), optional
+        Total length of the blend at each point, positive, s. Either this or `cruise_velocity`.
+    cruise_velocity : array_like, shape () or (n_joints,), optional
+        For two points only: speed of each joint, more than abs(h)/T and at most 2 abs(h)/T, rad/s.
+    joint_names : sequence of str, optional
+
+    Raises
+    ------
+    InputError
+        For blends that overlap, a cruise velocity out of range (the message tells the range), both or neither
+        of `blend_time` and `cruise_velocity`, fewer than two points, times that do not increase, bad arrays.
+
+    Examples
+    --------
+    >>> from puma_septic import profiles
+    >>> move = profiles.trapezoidal([[0.0], [1.0]], [0.0, 3.0], blend_time=1.0)
+    >>> float(move.extrema(1).max[0]), float(move.extrema(2).max[0])
+    (0.5, 0.5)
+    """
+    vias = checked_points("trapezoidal", points)
+    instants = checked_via_times(times, vias)
+    names = named(joint_names)
+    if (blend_time is None) == (cruise_velocity is None):
+        given = "neither" if blend_time is None else "both"
+        raise InputError(f"trapezoidal takes either blend_time or cruise_velocity; {given} of them is given")
+    if blend_time is not None:
+        blends = _blend_times(blend_time, vias)
+    else:
+        blends = _blends_for_cruise(vias, instants, cruise_velocity, names)
+    return Trajectory(
+        position=_blended(vias, instants, blends, 3),
+        points=vias,
+        times=instants,
+        profile="trapezoidal",
+        joint_names=names,
+    )
+
+
+def polynomial_blends(
+    points: ArrayLike,
+    times: ArrayLike,
+    *,
+    blend_time: ArrayLike,
+    degree: int = 5,
+    joint_names: Sequence[str] | None = None,
+) -> Trajectory:
+    """Linear segments with polynomial blends of degree n.
+
+    A blend of length b leads from one line to the next with all derivatives from the second to the (n -
+    1)/2-th zero at both its ends; so the motion is of class C1, C2, C3, C4 for n = 3, 5, 7, 9. The lines meet
+    at the via, so the leading coefficient vanishes: the cubic is the parabola of `trapezoidal`, the quintic a
+    quartic with acceleration up to ``1.5 dv/b``, and so on. The first line passes through ``(t0 + b/2, q0)``,
+    the last through ``(t1 - b/2, q1)``. A via is missed by ``c b dv``, c = 1/8, 3/32, 5/64, 35/512 (Biagiotti
+    and Melchiorri, Trajectory Planning for Automatic Machines and Robots, section 3.3 and, with the blends
+    centred on the vias, Craig, Introduction to Robotics, section 7.3).
+
+    Parameters
+    ----------
+    points : array_like, shape (k, n_joints)
+        At least two, rad (m for prismatic joints).
+    times : array_like, shape (k,)
+        Strictly increasing, s.
+    blend_time : array_like, shape () or (k,)
+        Total length of the blend at each point, positive, s.
+    degree : int
+        3, 5, 7 or 9.
+    joint_names : sequence of str, optional
+
+    Raises
+    ------
+    InputError
+        For another degree, blends that overlap, fewer than two points, times that do not increase, bad
+        arrays.
+
+    Examples
+    --------
+    >>> from puma_septic import profiles
+    >>> move = profiles.polynomial_blends([[0.0], [1.0]], [0.0, 3.0], blend_time=1.0)
+    >>> float(move.extrema(1).max[0]), float(move.extrema(2).max[0])
+    (0.5, 0.75)
+    """
+    vias = checked_points("polynomial_blends", points)
+    instants = checked_via_times(times, vias)
+    if degree not in _DEGREES:
+        raise InputError(f"degree = {degree!r} is not one of {', '.join(map(str, _DEGREES))}")
+    return Trajectory(
+        position=_blended(vias, instants, _blend_times(blend_time, vias), degree),
+        points=vias,
+        times=instants,
+        profile="polynomial_blends",
+        joint_names=named(joint_names),
+    )
+
+
+def _blend_times(given: ArrayLike, points: Array) -> Array:
+    """Of each point and joint, shape (k, n_joints)."""
+    if np.ndim(given) == 0:
+        given = np.full(len(points), float(checked_array("blend_time", given, (), unit="s")))
+    blends = checked_array("blend_time", given, (len(points),), unit="s")
+    if not (blends > 0).all():
+        k = int(np.argmin(blends))
+        raise InputError(
+            f"blend_time of point {k} = {blends[k]:g} s must be positive; without blends, take profile linear"
+        )
+    return np.repeat(blends[:, None], points.shape[1], axis=1)
+
+
+def _blends_for_cruise(points: Array, times: Array, cruise_velocity: ArrayLike | None, names: Sequence[str]) -> Array:
+    """``Ta = T - abs(h) / v_c`` at both ends, shape (2, n_joints)."""
+    if len(points) != 2:
+        raise InputError(
+            f"cruise_velocity needs exactly 2 points, got {len(points)}: between several, the velocities"
+            " follow from times and blend_time"
+        )
+    speed = boundary("cruise_velocity", cruise_velocity, points.shape[1], "rad/s")
+    T, h = times[1] - times[0], np.abs(points[1] - points[0])
+    moves = h > 0
+    bad = moves & ~((speed > h / T) & (speed <= 2 * h / T * (1 + 1e-12)))
+    if bad.any():
+        j = int(np.argmax(bad))
+        raise InputError(
+            f"{joint_labels(names, len(h))[j]}: cruise_velocity = {speed[j]:g} rad/s must be more than h/T ="
+            f" {h[j] / T:g} rad/s and at most 2 h/T = {2 * h[j] / T:g} rad/s to cover {h[j]:g} rad in {T:g} s"
+        )
+    blend = np.full(len(h), T / 2)
+    blend[moves] = np.minimum(T - h[moves] / speed[moves], T / 2)
+    if moves.any():
+        blend[~moves] = blend[moves][0]
+    return np.stack([blend, blend])
+
+
+def _blended(points: Array, times: Array, blends: Array, degree: int) -> Piecewise:
+    """Blends and lines in turn, for each joint."""
+    # The first and the last blend lie inside their segments, the others around their vias.
+    middle = np.repeat(times[:, None], points.shape[1], axis=1)
+    middle[0] += blends[0] / 2
+    middle[-1] -= blends[-1] / 2
+    starts = np.stack([middle - blends / 2, middle + blends / 2], axis=1).reshape(-1, points.shape[1])
+    starts[0], starts[-1] = times[0], times[-1]
+    _check_overlap(starts, blends)
+    v = np.diff(points, axis=0) / np.diff(middle, axis=0)
+    rest = np.zeros((1, points.shape[1]))
+    v_in, v_out = np.concatenate([rest, v]), np.concatenate([v, rest])
+    shape = _velocity_step_integral((degree - 1) // 2)
+    powers = np.zeros((len(shape), 2 * len(points) - 1, points.shape[1]))
+    powers[:, ::2] = shape[:, None, None] * (blends * (v_out - v_in))
+    powers[0, ::2] += points - v_in * blends / 2
+    powers[1, ::2] += v_in * blends
+    powers[0, 1::2] = points[:-1] + v * blends[:-1] / 2
+    powers[1, 1::2] = v * np.diff(starts, axis=0)[1::2]
+    return side_by_side(starts, powers)
+
+
+def _check_overlap(starts: Array, blends: Array) -> None:
+    """Refuse lines of negative length; one of no length is none."""
+    line = np.diff(starts, axis=0)[1::2]
+    room = -1e-12 * np.abs(starts[-1]).max()
+    if (line < room).any():
+        k = int(np.argmin(line.min(axis=1)))
+        raise InputError(
+            f"blend_time: the blends at points {k} and {k + 1}, of {blends[k].max():g} s and"
+            f" {blends[k + 1].max():g} s, overlap by {-line[k].min():g} s"
+        )
+    starts[2::2] = np.maximum(starts[2::2], starts[1:-1:2])
+
+
+def _velocity_step_integral(m: int) -> Array:
+    """Powers of s of the integral of the smooth step from 0 to 1 with m - 1 derivatives zero at both ends.
+
+    The step is ``sum_{k<m} (-1)^k C(m-1+k, k) C(2m-1, m-1-k) s^(m+k)``; m = 1 is a ramp, 2 the cubic 3 s^2 -
+    2 s^3.
+    """
+    powers = np.zeros(2 * m + 1)
+    for k in range(m):
+        powers[m + k + 1] = (-1) ** k * comb(m - 1 + k, k) * comb(2 * m - 1, m - 1 - k) / (m + k + 1)
+    return powers

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -43,9 +44,13 @@ def checked_array(
         With name, offending index and value, and what would be valid.
     """
     try:
-        array = read_only(value)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{name}: expected numbers of shape {_describe(shape)}, got {value!r}") from error
+        given = np.asarray(value)
+        # NumPy would take "1", True and the real part of 1 + 2j for numbers.
+        if given.dtype.kind not in "iufO" or (given.dtype.kind == "O" and _holds_text_or_truth(given)):
+            raise TypeError(f"not numbers: {given.dtype}")
+        array = read_only(given)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{name}: expected numbers of shape {_describe(shape)}, got {reprlib.repr(value)}") from error
     fits = array.ndim == len(shape) and all(
         want is None or have == want for have, want in zip(array.shape, shape, strict=True)
     )
@@ -71,7 +76,7 @@ def checked_number(
 ) -> float:
     """Return `value` as a finite float within the given bounds (`above` is exclusive)."""
     suffix = f" {unit}" if unit else ""
-    if isinstance(value, (bool, str)) or value is None:
+    if isinstance(value, (bool, np.bool_, str)) or value is None:
         raise InputError(f"{name}: expected a number{suffix and ' in' + suffix}, got {value!r}")
     number = float(checked_array(name, value, (), unit=unit))  # type: ignore[arg-type]
     if above is not None and not number > above:
@@ -86,11 +91,11 @@ def checked_number(
 def checked_times(name: str, value: ArrayLike, count: int | None = None) -> Array:
     """Return strictly increasing times in s; a message names the first pair that is not."""
     times = checked_array(name, value, (count,), unit="s")
-    steps = np.diff(times)
-    if not (steps > 0).all():
-        k = int(np.argmax(~(steps > 0)))
+    increasing = times[1:] > times[:-1]
+    if not increasing.all():
+        k = int(np.argmin(increasing))
         raise InputError(
-            f"{name}: must increase strictly, but {name}[{k}] = {times[k]:g} s is followed by {times[k + 1]:g} s"
+            f"{name}: must increase strictly, but {name}[{k}] = {times[k]:.12g} s is followed by {times[k + 1]:.12g} s"
         )
     return times
 
@@ -101,6 +106,10 @@ def checked_choice(name: str, value: str, valid: Iterable[str]) -> str:
     if value not in names:
         raise InputError(f"unknown {name} {value!r}; valid: {', '.join(map(repr, names))}")
     return value
+
+
+def _holds_text_or_truth(array: NDArray[np.object_]) -> bool:
+    return any(isinstance(item, (str, bytes, bool, np.bool_)) for item in array.flat)
 
 
 def _describe(shape: Sequence[int | None]) -> str:

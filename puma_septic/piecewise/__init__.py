@@ -1,5 +1,6 @@
 """Vector functions of time that are smooth between breakpoints, held as Chebyshev series per interval."""
 
-from puma_septic.piecewise.function import Extrema, Jumps, Piecewise
+from puma_septic.piecewise.function import Piecewise
+from puma_septic.piecewise.results import Extrema, Jumps
 
 __all__ = ["Extrema", "Jumps", "Piecewise"]

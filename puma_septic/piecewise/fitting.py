@@ -21,8 +21,10 @@ _SMALLEST = 2.0**-20
 _MOST_SAMPLES = 200_000
 # A few roundings of the largest component: what is below it in a small component may be noise of the sum it came from.
 _ROUNDING = 64 * np.finfo(np.float64).eps
-# Trailing coefficients below this part of the largest value are the transform's own rounding.
-_TRIM = 4 * np.finfo(np.float64).eps
+# Trailing coefficients below this part of what the tolerance allows are not worth carrying along,
+_TRIM = 0.01
+# nor are those below the transform's own rounding, relative to the largest component.
+_NOISE = 2 * np.finfo(np.float64).eps
 
 
 def fit_series(f: Callable[[Array], Array], breaks: Array, tolerance: float) -> tuple[Array, Array]:
@@ -47,7 +49,7 @@ def fit_series(f: Callable[[Array], Array], breaks: Array, tolerance: float) -> 
         n_samples += len(values) * len(pending)
         if len(pending):
             pending = _bisected(pending, breaks, series, scale, n_samples)
-    return _joined(done, scale)
+    return _joined(done, np.maximum(_TRIM * tolerance * scale, _NOISE * scale.max()))
 
 
 def _sample(f: Callable[[Array], Array], intervals: Array, x: Array) -> Array:
@@ -102,12 +104,12 @@ def _bisected(intervals: Array, breaks: Array, series: Array, scale: Array, n_sa
     return np.concatenate(halves)
 
 
-def _joined(done: list[tuple[Array, Array]], scale: Array) -> tuple[Array, Array]:
-    """The intervals in order, padded to one degree and cut where all that follows is below rounding."""
+def _joined(done: list[tuple[Array, Array]], negligible: Array) -> tuple[Array, Array]:
+    """The intervals in order, padded to one degree and cut where all that follows is negligible."""
     done.sort(key=lambda item: float(item[0][0]))
-    coefficients = np.zeros((max(len(series) for _, series in done), len(done), len(scale)))
+    coefficients = np.zeros((max(len(series) for _, series in done), len(done), len(negligible)))
     for i, (_, series) in enumerate(done):
         coefficients[: len(series), i] = series
-    kept = np.flatnonzero((np.abs(coefficients) > _TRIM * scale).any(axis=(1, 2)))
+    kept = np.flatnonzero((np.abs(coefficients) > negligible).any(axis=(1, 2)))
     breaks = np.array([interval[0] for interval, _ in done] + [done[-1][0][1]])
     return breaks, coefficients[: (kept[-1] + 1 if len(kept) else 1)]

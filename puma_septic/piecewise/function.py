@@ -13,56 +13,13 @@ from puma_septic.checks import Array, checked_array, checked_times
 from puma_septic.errors import InputError
 from puma_septic.piecewise import matrices
 from puma_septic.piecewise.fitting import fit_series
+from puma_septic.piecewise.results import Extrema, Jumps
 from puma_septic.piecewise.search import find_extrema, find_sign_changes
 
-__all__ = ["Extrema", "Jumps", "Piecewise"]
+__all__ = ["Piecewise"]
 
 # Two times closer than this part of the largest time are one: a few hundred roundings of a time stamp.
 _SAME_TIME = 1e-13
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class Extrema:
-    """Least and greatest values of each component, and when each is first reached.
-
-    Attributes
-    ----------
-    min, max : ndarray, shape (m,)
-    t_min, t_max : ndarray, shape (m,)
-    """
-
-    min: Array
-    max: Array
-    t_min: Array
-    t_max: Array
-
-    @property
-    def peak(self) -> Array:
-        """Largest magnitude, shape (m,)."""
-        return np.maximum(np.abs(self.min), np.abs(self.max))
-
-    @property
-    def t_peak(self) -> Array:
-        """Instant of the largest magnitude, shape (m,)."""
-        return np.where(np.abs(self.min) > np.abs(self.max), self.t_min, self.t_max)
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class Jumps:
-    """Steps of a function.
-
-    Attributes
-    ----------
-    times : ndarray, shape (k,)
-        s.
-    sizes : ndarray, shape (k, m)
-        Value after the instant less value before it.
-    """
-
-    times: Array
-    sizes: Array
 
 
 @final
@@ -201,7 +158,7 @@ class Piecewise:
 
     def derivative(self) -> Piecewise:
         """The derivative by time within the intervals; steps are left to `jumps`."""
-        scale = 2 / np.diff(self.breaks)[:, None]
+        scale = 2 / (self.breaks[1:] - self.breaks[:-1])[:, None]
         return self._trusted(self.breaks, _apply(matrices.derivative_matrix(self.degree), self.coefficients) * scale)
 
     def integral(self) -> Piecewise:
@@ -307,14 +264,15 @@ def _evaluated(basis: Array, coefficients: Array, piece: NDArray[np.int64] | int
     if isinstance(piece, int):
         return np.asarray(basis.T @ coefficients[:, piece])
     values = np.empty((len(piece), coefficients.shape[2]))
-    # One product per piece: points in the order of their pieces are runs.
-    order = np.argsort(piece, kind="stable")
-    ends = np.searchsorted(piece[order], np.arange(coefficients.shape[1]), side="right")
+    # One product per run of points in the same piece.
+    ends = [*(np.flatnonzero(piece[1:] != piece[:-1]) + 1).tolist(), len(piece)]
+    if len(ends) > coefficients.shape[1]:
+        order = np.argsort(piece, kind="stable")
+        values[order] = _evaluated(basis[:, order], coefficients, piece[order])
+        return values
     start = 0
-    for i, end in enumerate(ends.tolist()):
-        if end > start:
-            run = order[start:end]
-            values[run] = basis[:, run].T @ coefficients[:, i]
+    for end in ends if len(piece) else ():
+        values[start:end] = basis[:, start:end].T @ coefficients[:, piece[start]]
         start = end
     return values
 

@@ -16,6 +16,9 @@ from puma_septic.trajectory import Trajectory
 
 __all__ = ["lspb"]
 
+# Two durations that differ by less than this part are one, to some thousand roundings.
+_SAME_LENGTH = 1e-12
+
 
 def lspb(
     points: ArrayLike,
@@ -65,8 +68,10 @@ def lspb(
     vias = checked_points("lspb", points)
     blend = checked_number("blend_time", blend_time, unit="s", at_least=0.0)
     lengths = _durations(vias, durations, max_velocity, blend)
-    if (lengths < blend).any():
-        k = int(np.argmax(lengths < blend))
+    # Lengths that are meant to be equal may differ by rounding, as 0.3 and 3 * 0.1 do.
+    too_short = lengths < blend * (1 - _SAME_LENGTH)
+    if too_short.any():
+        k = int(np.argmax(too_short))
         raise InputError(
             f"blend_time = {blend:g} s is longer than segment {k + 1} (point {k} to {k + 1}), which takes"
             f" {lengths[k]:g} s; the blends at both its ends would overlap"
@@ -120,7 +125,7 @@ def _blended(points: Array, times: Array, v: Array, tb: float) -> Piecewise:
     v0[1::2] = v
     v1 = np.repeat(v_out, 2, axis=0)[:-1].copy()
     lengths = np.diff(starts)
-    kept = lengths > 1e-12 * times[-1]
+    kept = lengths > _SAME_LENGTH * times[-1]
     powers = quintic_powers(q[:-1], q[1:], lengths, v0=v0, v1=v1)
     # A line is a line to the last digit, whatever the quintic's rounding.
     powers[1, 1::2] = np.diff(q, axis=0)[1::2]

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
-from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array
+from puma_septic.checks import Array, read_only
+from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
+from puma_septic.piecewise.matrices import basis_at
 from puma_septic.profiles.points import boundary, checked_points, checked_via_times, named
 from puma_septic.trajectory import Trajectory
 
@@ -68,9 +70,7 @@ def septic(
     ]
     series = interpolating_series(vias, instants, ends)
     position = Piecewise(breaks=instants[[0, -1]], coefficients=series[:, None, :])
-    return Trajectory(
-        position=position, points=vias, times=instants, profile="septic", joint_names=named(joint_names)
-    )
+    return Trajectory(position=position, points=vias, times=instants, profile="septic", joint_names=named(joint_names))
 
 
 def interpolating_series(points: Array, times: Array, ends: Sequence[Array]) -> Array:
@@ -82,13 +82,21 @@ def interpolating_series(points: Array, times: Array, ends: Sequence[Array]) -> 
     half = (times[-1] - times[0]) / 2
     x = (times - times[0]) / half - 1
     x[-1] = 1.0
-    degree = len(points) + 3
+    conditions = np.concatenate([basis_at(x, len(points) + 3).T, _end_conditions(len(points) + 3)])
+    scale = half ** np.array([[1.0], [1.0], [2.0], [2.0]])
+    try:
+        series = np.linalg.solve(conditions, np.concatenate([points - points[0], scale * np.array(ends)]))
+    except np.linalg.LinAlgError as error:
+        raise InputError(f"times: {times.tolist()} s are too close to each other to be told apart") from error
+    series[0] += points[0]
+    return np.asarray(series)
+
+
+@lru_cache(maxsize=16)
+def _end_conditions(degree: int) -> Array:
+    """First derivative of the basis at x = -1 and 1, then the second, shape (4, degree + 1)."""
     k = np.arange(degree + 1.0)
     # T_k'(1) = k^2, T_k''(1) = k^2 (k^2 - 1) / 3; at -1 with alternating signs.
     slope, curvature = k**2, k**2 * (k**2 - 1) / 3
-    sign = (-1.0) ** np.arange(degree + 1)
-    conditions = np.vstack([chebyshev.chebvander(x, degree), -sign * slope, slope, sign * curvature, curvature])
-    scale = half ** np.array([[1.0], [1.0], [2.0], [2.0]])
-    series = np.linalg.solve(conditions, np.vstack([points - points[0], scale * np.array(ends)]))
-    series[0] += points[0]
-    return np.asarray(series)
+    sign = (-1.0) ** k
+    return read_only([-sign * slope, slope, sign * curvature, curvature])

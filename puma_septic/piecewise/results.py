@@ -1,0 +1,61 @@
+"""What a function of time is asked for: its extrema and its steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from puma_septic.checks import Array
+
+__all__ = ["Extrema", "Jumps"]
+
+# Two magnitudes that differ by less than this part are one, to rounding.
+_EQUAL = 1e-13
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Extrema:
+    """Least and greatest values of each component, and when each is first reached.
+
+    Attributes
+    ----------
+    min, max : ndarray, shape (m,)
+    t_min, t_max : ndarray, shape (m,)
+    """
+
+    min: Array
+    max: Array
+    t_min: Array
+    t_max: Array
+
+    @property
+    def peak(self) -> Array:
+        """Largest magnitude, shape (m,)."""
+        return np.maximum(np.abs(self.min), np.abs(self.max))
+
+    @property
+    def t_peak(self) -> Array:
+        """Instant of the largest magnitude, the first where minimum and maximum are equal to rounding, shape (m,)."""
+        down, up = np.abs(self.min), np.abs(self.max)
+        first = np.minimum(self.t_min, self.t_max)
+        return np.where(np.abs(down - up) <= _EQUAL * up, first, np.where(down > up, self.t_min, self.t_max))
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Jumps:
+    """Steps of a function.
+
+    Attributes
+    ----------
+    times : ndarray, shape (k,)
+        s.
+    sizes : ndarray, shape (k, m)
+        Value after the instant less value before it.
+    """
+
+    times: Array
+    sizes: Array

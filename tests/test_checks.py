@@ -1,0 +1,129 @@
+"""Checks at the door: what comes in is a finite float64 array of the right shape, or an InputError that says why."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import puma_septic as ps
+from puma_septic.checks import checked_array, checked_choice, checked_number, checked_times, read_only
+
+
+def test_an_array_is_copied_to_read_only_float64() -> None:
+    given = np.array([[1, 2], [3, 4]])
+    array = checked_array("points", given, (None, 2))
+    assert array.dtype == np.float64
+    given[0, 0] = 9
+    assert array[0, 0] == 1.0
+    with pytest.raises(ValueError, match="read-only"):
+        array[0, 0] = 1.0
+    with pytest.raises(ValueError, match="read-only"):
+        read_only([1.0])[0] = 2.0
+
+
+@pytest.mark.parametrize(
+    "value", [[1, 2], (1.0, 2.0), np.float32([1, 2]), [Fraction(1), 2], range(1, 3), [np.int8(1), 2]]
+)
+def test_any_kind_of_real_numbers_will_do(value: object) -> None:
+    assert checked_array("q", value, (2,)).tolist() == [1.0, 2.0]  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ([1.0, np.nan], r"^q\[1\] = nan rad is not a finite number$"),
+        ([1.0, -np.inf], r"^q\[1\] = -inf rad is not a finite number$"),
+        ([None, 1.0], r"^q\[0\] = nan rad is not a finite number$"),
+        ([1.0], r"^q: shape \(1,\) is not \(2,\)$"),
+        ([[1.0, 2.0]], r"^q: shape \(1, 2\) is not \(2,\)$"),
+        (3.0, r"^q: shape \(\) is not \(2,\)$"),
+        ([[1.0], [1.0, 2.0]], r"^q: expected numbers of shape \(2,\), got \[\[1.0\], \[1.0, 2.0\]\]$"),
+        ("12", r"^q: expected numbers of shape \(2,\), got '12'$"),
+        # float() reads all of these as numbers, and NumPy with it.
+        (["1", "2"], r"^q: expected numbers of shape \(2,\), got \['1', '2'\]$"),
+        ([True, False], r"^q: expected numbers .*, got \[True, False\]$"),
+        (np.array([1 + 2j, 3]), r"^q: expected numbers"),
+        ([1 + 2j, 3], r"^q: expected numbers"),
+        ([10**400, 1], r"^q: expected numbers"),
+        ({"a": 1}, r"^q: expected numbers of shape \(2,\), got \{'a': 1\}$"),
+        (np.array(["2020-01-01", "2020-01-02"], dtype="datetime64[D]"), r"^q: expected numbers"),
+    ],
+)
+def test_what_is_no_array_of_that_shape_is_refused(value: object, message: str) -> None:
+    with pytest.raises(ps.InputError, match=message):
+        checked_array("q", value, (2,), unit="rad")  # type: ignore[arg-type]
+
+
+def test_nan_may_be_allowed_infinity_never() -> None:
+    assert np.isnan(checked_array("limits", [np.nan, None], (2,), allow_nan=True)).all()  # type: ignore[list-item]
+    with pytest.raises(ps.InputError, match=r"limits\[1\] = inf is not a finite number"):
+        checked_array("limits", [np.nan, np.inf], (2,), allow_nan=True)
+
+
+def test_an_error_is_a_value_error_too() -> None:
+    with pytest.raises(ValueError, match="is not a finite number"):
+        checked_array("q", np.nan, ())
+
+
+def test_a_long_value_is_not_printed_in_full() -> None:
+    with pytest.raises(ps.InputError) as caught:
+        checked_array("q", ["x"] * 10_000, (None,))
+    assert len(str(caught.value)) < 300
+
+
+@pytest.mark.parametrize("value", [2, 2.0, np.float64(2), np.array(2), np.int64(2), Fraction(2)])
+def test_a_number(value: object) -> None:
+    number = checked_number("mass", value, unit="kg", above=0.0)
+    assert number == 2.0
+    assert type(number) is float
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        (True, r"^mass: expected a number in kg, got True$"),
+        (np.True_, r"^mass: expected .*, got (np\.)?True"),
+        ("2", r"^mass: expected a number in kg, got '2'$"),
+        (None, r"^mass: expected a number in kg, got None$"),
+        ([2.0], r"^mass: shape \(1,\) is not \(\)$"),
+        (np.nan, r"^mass = nan kg is not a finite number$"),
+        (np.inf, r"^mass = inf kg is not a finite number$"),
+        (0.0, r"^mass = 0 kg must be greater than 0 kg$"),
+    ],
+)
+def test_what_is_no_number_is_refused(value: object, message: str) -> None:
+    with pytest.raises(ps.InputError, match=message):
+        checked_number("mass", value, unit="kg", above=0.0)
+
+
+def test_bounds_of_a_number() -> None:
+    assert checked_number("margin", 0, at_least=0.0, at_most=1.0) == 0.0
+    with pytest.raises(ps.InputError, match=r"^margin = -0\.1 must be at least 0$"):
+        checked_number("margin", -0.1, at_least=0.0)
+    with pytest.raises(ps.InputError, match=r"^margin = 2 must be at most 1$"):
+        checked_number("margin", 2, at_most=1.0)
+
+
+def test_times() -> None:
+    assert checked_times("times", [0, 1, 5]).tolist() == [0.0, 1.0, 5.0]
+    with pytest.raises(
+        ps.InputError, match=r"^times: must increase strictly, but times\[1\] = 2 s is followed by 2 s$"
+    ):
+        checked_times("times", [0, 2, 2, 1])
+    with pytest.raises(ps.InputError, match=r"times\[2\] = 2 s is followed by 1 s"):
+        checked_times("times", [0, 1, 2, 1])
+    with pytest.raises(ps.InputError, match=r"^times: shape \(2,\) is not \(3,\)$"):
+        checked_times("times", [0, 1], 3)
+
+
+def test_times_that_print_alike_are_told_apart() -> None:
+    with pytest.raises(ps.InputError, match=r"1234567\.2 s is followed by 1234567\.1 s"):
+        checked_times("times", [0.0, 1234567.2, 1234567.1])
+
+
+def test_a_choice_lists_what_is_valid() -> None:
+    assert checked_choice("profile", "lspb", ["septic", "lspb"]) == "lspb"
+    with pytest.raises(ps.InputError, match=r"^unknown profile 'spline'; valid: 'septic', 'lspb'$"):
+        checked_choice("profile", "spline", ["septic", "lspb"])

@@ -132,6 +132,7 @@ def test_fit_accepts_noise_that_is_rounding_of_the_largest_component() -> None:
     g, asked = counted(f)
     fitted = Piecewise.fit(g, [0.0, 1.0, 2.0])
     assert np.abs(fitted.extrema().peak[1]) < 1e-14
+    assert fitted.degree < 16
     # Without a search for what is not there: 33 nodes and less an interval.
     assert len(asked) < 140
 

@@ -21,17 +21,15 @@ _SMALLEST = 2.0**-20
 _MOST_SAMPLES = 200_000
 # A few roundings of the largest component: what is below it in a small component may be noise of the sum it came from.
 _ROUNDING = 64 * np.finfo(np.float64).eps
-# Trailing coefficients below this part of what the tolerance allows are not worth carrying along,
+# Trailing coefficients below this part of what the tolerance allows are not worth carrying along.
 _TRIM = 0.01
-# nor are those below the transform's own rounding, relative to the largest component.
-_NOISE = 2 * np.finfo(np.float64).eps
 
 
 def fit_series(f: Callable[[Array], Array], breaks: Array, tolerance: float) -> tuple[Array, Array]:
     """Breaks and coefficients (degree + 1, n, m) of `f`; see `Piecewise.fit`."""
     pending = np.column_stack([breaks[:-1], breaks[1:]])
     done: list[tuple[Array, Array]] = []
-    scale = np.zeros(1)
+    scale, noisy = np.zeros(1), np.zeros(1, dtype=np.bool_)
     n_samples = 0
     while len(pending):
         values = _sample(f, pending, matrices.nodes(_DEGREES[0]))
@@ -40,7 +38,9 @@ def fit_series(f: Callable[[Array], Array], breaks: Array, tolerance: float) -> 
                 values = _refined(f, pending, values, degree)
             scale = np.maximum(scale, np.abs(values).max(axis=(0, 1)))
             series = np.tensordot(matrices.coefficients_from_values(degree), values, 1)
-            good = _converged(series, scale, tolerance)
+            small, noise = _converged(series, scale, tolerance)
+            good = (small | noise).all(axis=1)
+            noisy = noisy | (noise & ~small)[good].any(axis=0)
             done += [(pending[i], series[:, i]) for i in np.flatnonzero(good)]
             n_samples += len(values) * int(good.sum())
             pending, values, series = pending[~good], values[:, ~good], series[:, ~good]
@@ -49,7 +49,8 @@ def fit_series(f: Callable[[Array], Array], breaks: Array, tolerance: float) -> 
         n_samples += len(values) * len(pending)
         if len(pending):
             pending = _bisected(pending, breaks, series, scale, n_samples)
-    return _joined(done, np.maximum(_TRIM * tolerance * scale, _NOISE * scale.max()))
+    # A component that has been taken for noise must not carry it along.
+    return _joined(done, np.where(noisy, _ROUNDING * scale.max(), _TRIM * tolerance * scale))
 
 
 def _sample(f: Callable[[Array], Array], intervals: Array, x: Array) -> Array:
@@ -78,15 +79,14 @@ def _tail(series: Array) -> Array:
     return np.asarray(np.abs(series[-max(2, len(series) // 8) :]).max(axis=0))
 
 
-def _converged(series: Array, scale: Array, tolerance: float) -> NDArray[np.bool_]:
-    """Whether the tail of every component has fallen below the tolerance, or stays at the rounding, shape (n,)."""
+def _converged(series: Array, scale: Array, tolerance: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Whether each tail has fallen below the tolerance, and whether it stays at the rounding, of shape (n, m)."""
     tail = _tail(series)
     noise = tail <= _ROUNDING * scale.max()
     if len(series) <= _DEGREES[-1]:
         # Only what has stopped to fall is noise; a small component may have digits below the others' rounding.
         noise &= tail >= 0.1 * np.abs(series[len(series) // 2 :]).max(axis=0)
-    good: NDArray[np.bool_] = (tail <= tolerance * scale) | noise
-    return np.asarray(good.all(axis=1))
+    return tail <= tolerance * scale, noise
 
 
 def _bisected(intervals: Array, breaks: Array, series: Array, scale: Array, n_samples: int) -> Array:

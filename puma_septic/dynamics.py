@@ -74,7 +74,8 @@ class TorqueTerms(Generic[Quantity]):
     @property
     def total(self) -> Quantity:
         """Their sum: what `inverse_dynamics` returns."""
-        return functools.reduce(operator.add, (getattr(self, name) for name in TERMS))
+        total: Quantity = functools.reduce(operator.add, (getattr(self, name) for name in TERMS))
+        return total
 
 
 def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike, *, friction: bool = True) -> Array:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from puma_septic.checks import Array
 from puma_septic.dynamics import TorqueTerms, check_inertia, coulomb_torque, smooth_terms, smooth_torque
@@ -42,7 +43,7 @@ class Motion:
     robot: Robot
     trajectory: Trajectory
     torque: Piecewise
-    still: Array
+    still: NDArray[np.bool_]
     n_evaluations: int
 
     @property
@@ -88,22 +89,23 @@ def compute_motion(robot: Robot, trajectory: Trajectory) -> Motion:
     _check_joints(robot, trajectory)
     check_inertia(robot)
     n = robot.n_joints
-    state = Piecewise.concatenate([trajectory.derivative(order) for order in range(3)])
     n_evaluations = 0
 
     def torque_at(t: Array) -> Array:
         nonlocal n_evaluations
         n_evaluations += len(t)
-        q_v_a = state(t)
-        return smooth_torque(robot, q_v_a[:, :n], q_v_a[:, n : 2 * n], q_v_a[:, 2 * n :])
+        state = trajectory.state(t)
+        return smooth_torque(robot, state[:, :n], state[:, n : 2 * n], state[:, 2 * n : 3 * n])
 
     smooth = Piecewise.fit(torque_at, trajectory.breaks)
     velocity = _moving_velocity(trajectory)
     smooth = smooth.split(np.concatenate(velocity.roots()))
     sign = np.sign(velocity((smooth.breaks[:-1] + smooth.breaks[1:]) / 2))
     coulomb = Piecewise(breaks=smooth.breaks, coefficients=coulomb_torque(robot, sign)[None])
+    still = sign == 0
+    still.setflags(write=False)
     return Motion(
-        robot=robot, trajectory=trajectory, torque=smooth + coulomb, still=sign == 0, n_evaluations=n_evaluations
+        robot=robot, trajectory=trajectory, torque=smooth + coulomb, still=still, n_evaluations=n_evaluations
     )
 
 

@@ -29,6 +29,7 @@ POINTS = np.array(
 TIMES = np.array([0.0, 2.0, 6.0, 9.0])
 # What a motion promises: the fit stops at 1e-11 of each joint's largest torque, the rest is room.
 EXACT = 1e-9
+PROFILES = ("septic", "lspb", "quintic_segments")
 ROBOTS = Path(__import__("cmeel").__file__).parents[1] / "cmeel.prefix/share/example-robot-data/robots"
 
 
@@ -134,7 +135,7 @@ def test_double_zeros_of_the_velocity_at_both_ends_are_no_reversals(puma: ps.Rob
     Position, velocity and acceleration are given at both ends, so the velocity has a double zero there.
     """
     motion = ps.compute_motion(puma, paper("septic"))
-    # Joints 1 and 6 reverse once near each end of the turn, 2, 3 and 5 once at the middle: printed by profiles' extrema.
+    # Joints 1 and 6 reverse once near each end of the turn, 2, 3 and 5 once at the middle.
     inner = motion.torque.breaks[1:-1]
     found = reversals(lambda t: paper("septic")(t, 1)[:, [0, 1, 2, 4, 5]], TIMES[[0, -1]])
     np.testing.assert_allclose(inner, found, rtol=0, atol=1e-9)
@@ -148,7 +149,7 @@ def test_double_zeros_of_the_velocity_at_both_ends_are_no_reversals(puma: ps.Rob
         )
 
 
-@pytest.mark.parametrize("profile", ["septic", "lspb", "quintic_segments"])
+@pytest.mark.parametrize("profile", PROFILES)
 @pytest.mark.parametrize("noise", [0.0, 1e-16, 4.4e-16])
 def test_a_joint_whose_points_agree_to_rounding_is_still(puma: ps.Robot, profile: str, noise: float) -> None:
     """Joint 4 rests at -pi on the paper's move; inverse kinematics gives -pi and its neighbours, in some order.
@@ -250,7 +251,7 @@ def test_a_step_in_acceleration_makes_the_torque_step_and_the_jerk_infinite(tmp_
 @settings(max_examples=8)
 @given(seed=st.integers(0, 2**32 - 1), mass=st.floats(0, 5))
 def test_work_without_friction_is_the_change_of_energy(seed: int, mass: float) -> None:
-    """Rest to rest the kinetic energy is nothing; half way it is half v M v, rotors included, and gravity's is m g z."""
+    """Rest to rest the kinetic energy is nothing; half way it is half v M v, rotors included."""
     rng = np.random.default_rng(seed)
     drives = [
         ps.Actuator(gear_ratio=x.gear_ratio, rotor_inertia=x.rotor_inertia, viscous_friction=0, coulomb_friction=[0, 0])
@@ -325,6 +326,7 @@ def test_joints_that_do_not_match_are_named(puma: ps.Robot) -> None:
     with pytest.raises(ps.InputError, match=r"trajectory has 2 joints, robot 'puma560' has 6: joint1, joint2"):
         ps.compute_motion(puma, ps.quintic_segments([[0, 0], [1, 1]], [0, 1]))
     swapped = ("joint2", "joint1", *puma.joint_names[2:])
-    with pytest.raises(ps.InputError, match=r"joints joint2, joint1.*are not those of robot 'puma560', joint1, joint2.*order"):
+    message = "joints joint2, joint1.*are not those of robot 'puma560', joint1, joint2.*order"
+    with pytest.raises(ps.InputError, match=message):
         ps.compute_motion(puma, ps.septic(POINTS, TIMES, joint_names=swapped))
     assert ps.compute_motion(puma, ps.septic(POINTS, TIMES, joint_names=puma.joint_names)).n_evaluations > 0

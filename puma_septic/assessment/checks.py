@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final, final
+from typing import Any, Final, final
 
 import numpy as np
 
@@ -65,8 +65,10 @@ class LimitCheck:
         return not self.margin >= -_ROUNDING
 
     def __str__(self) -> str:
-        size = "unbounded" if np.isinf(self.demand) else f"{self.demand:.4g} {self.unit}"
-        what = f"{self.joint} {self.quantity} {size} at t = {self.time:.4g} s"
+        if np.isinf(self.demand):
+            limit = f"limit {self.limit:.4g} {self.unit}"
+            return f"{self.joint} {self.quantity} unbounded at t = {self.time:.4g} s, {limit}"
+        what = f"{self.joint} {self.quantity} {self.demand:.4g} {self.unit} at t = {self.time:.4g} s"
         if self.quantity == "position":
             side = "beyond" if self.is_violated else "from"
             return f"{what} is {abs(self.margin):.4g} {self.unit} {side} its bound {self.limit:.4g} {self.unit}"
@@ -129,7 +131,7 @@ def unknown_values(robot: Robot) -> tuple[str, ...]:
     """What cannot be assessed because it is not known, one line per quantity with the joints concerned."""
     limits, actuators = robot.limits, robot.actuators
     # A continuous joint has no position limit to know.
-    unknown = {
+    unknown: dict[str, Any] = {
         "position limit": np.isnan(limits.position).any(axis=1) & ~robot.is_continuous,
         "velocity limit": np.isnan(limits.velocity),
         "acceleration limit": np.isnan(limits.acceleration),

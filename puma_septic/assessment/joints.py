@@ -55,13 +55,16 @@ def joint_metrics(motion: Motion, dwell: float) -> JointMetrics:
     trajectory = motion.trajectory
     cycle = trajectory.duration + dwell
     (v, t_v), (a, t_a), (j, t_j) = (trajectory.peak(order) for order in (1, 2, 3))
+    _, rms_v, rms_a, rms_j = np.sqrt(trajectory.state.inner(trajectory.state) / cycle).reshape(4, -1)
     torque = motion.torque.extrema()
     blow_time, blow_sign = first_blows(motion)
     struck = ~np.isnan(blow_time)
     square = motion.torque.inner(motion.torque)
     if dwell:
         square = square + holding_torque(motion) ** 2 * dwell
-    sign = np.where(np.abs(torque.min) > np.abs(torque.max), -1.0, 1.0)
+    # The extreme that is named by its instant; a constant has both at once.
+    constant = torque.t_min == torque.t_max
+    negative = np.where(constant, torque.min < 0, torque.t_peak == torque.t_min)
     metrics = JointMetrics(
         peak_velocity=v,
         peak_velocity_time=t_v,
@@ -71,10 +74,10 @@ def joint_metrics(motion: Motion, dwell: float) -> JointMetrics:
         peak_jerk_time=t_j,
         peak_torque=np.where(struck, np.inf, torque.peak),
         peak_torque_time=np.where(struck, blow_time, torque.t_peak),
-        peak_torque_sign=np.where(struck, blow_sign, sign),
-        rms_velocity=_rms(trajectory, 1, v, cycle),
-        rms_acceleration=_rms(trajectory, 2, a, cycle),
-        rms_jerk=_rms(trajectory, 3, j, cycle),
+        peak_torque_sign=np.where(struck, blow_sign, np.where(negative, -1.0, 1.0)),
+        rms_velocity=np.where(np.isinf(v), np.inf, rms_v),
+        rms_acceleration=np.where(np.isinf(a), np.inf, rms_a),
+        rms_jerk=np.where(np.isinf(j), np.inf, rms_j),
         rms_torque=np.where(struck, np.inf, np.sqrt(square / cycle)),
     )
     _freeze(metrics.values())
@@ -86,11 +89,6 @@ def _freeze(arrays: Iterable[object]) -> None:
     for array in arrays:
         assert isinstance(array, np.ndarray)
         array.setflags(write=False)
-
-
-def _rms(trajectory: Trajectory, order: int, peak: Array, cycle: float) -> Array:
-    derivative = trajectory.derivative(order)
-    return np.where(np.isinf(peak), np.inf, np.sqrt(derivative.inner(derivative) / cycle))
 
 
 def first_blows(motion: Motion) -> tuple[Array, Array]:

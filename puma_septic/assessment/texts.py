@@ -89,6 +89,8 @@ def _joint_table(assessment: Assessment) -> str:
 def _percent(check: LimitCheck | None) -> str:
     if check is None:
         return ""
+    if np.isinf(check.utilisation):
+        return " (!)"
     mark = "!" if check.is_violated else ""
     return f" ({100 * check.utilisation:.0f} %{mark})"
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from puma_septic.checks import Array
 from puma_septic.kinematics import tool_motion
-from puma_septic.kinematics.singularity import singularity_distances, singularity_names, singularity_scales
+from puma_septic.kinematics.singularity import singularity_distances, singularity_names, singularity_zeros
 from puma_septic.motion import Motion
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
@@ -17,9 +17,8 @@ from puma_septic.trajectory import Trajectory
 
 __all__ = ["SingularityReport", "ToolMetrics", "tool_metrics"]
 
-# A measure is taken to be zero below this part of its natural size: far above the noise of a fit or of an inverse
-# kinematics, far below any distance that matters.
-_ZERO = 1e-9
+# Ten times the tolerance of the fit: what is below this part of a measure's largest value is zero.
+_FIT_ERROR = 1e-10
 
 
 @final
@@ -102,7 +101,7 @@ def _singularities(robot: Robot, trajectory: Trajectory, series: Piecewise) -> t
     first = series.n_components - len(kinds)
     distances = Piecewise(breaks=series.breaks, coefficients=series.coefficients[:, :, first:])
     extrema = distances.extrema()
-    zero = _ZERO * singularity_scales(robot, trajectory(trajectory.breaks[[0, -1]]))
+    zero = np.maximum(singularity_zeros(robot, trajectory(trajectory.breaks)), _FIT_ERROR * extrema.peak)
     candidates = zip(distances.roots(), distances.derivative().roots(), strict=True)
     reports = []
     for k, (kind, times) in enumerate(zip(kinds, candidates, strict=True)):

@@ -10,7 +10,12 @@ from puma_septic.kinematics.forward import jacobian
 from puma_septic.kinematics.puma import SINGULARITIES, branch_values, puma_geometry
 from puma_septic.robot import Robot
 
-__all__ = ["singularity_distances", "singularity_names", "singularity_scales"]
+__all__ = ["singularity_distances", "singularity_names", "singularity_zeros"]
+
+# Far above the rounding of a measure and the residual of an inverse kinematics, far below a distance that matters.
+_ZERO = 1e-9
+# For a square, whose rounding is not squared.
+_ZERO_SQUARE = 1e-13
 
 
 def singularity_names(robot: Robot) -> tuple[str, ...]:
@@ -47,15 +52,16 @@ def singularity_distances(robot: Robot, q: Array) -> Array:
     return np.asarray(np.linalg.det(square)[:, None])
 
 
-def singularity_scales(robot: Robot, q: Array) -> Array:
-    """How large the measures could be, to tell a zero from rounding, shape (len(singularity_names(robot)),).
+def singularity_zeros(robot: Robot, q: Array) -> Array:
+    """Magnitudes up to which the measures count as zero, shape (len(singularity_names(robot)),).
 
-    1 m and 1 for a PUMA; for other arms Hadamard's bound of the determinant, the product of the lengths of
-    the Jacobian's columns (squared for manipulability), the largest of the given configurations, shape (n,
-    n_joints).
+    A part of how large they can be: 1 m and 1 for a PUMA; for other arms Hadamard's bound, the product of the lengths
+    of the Jacobian's rows (columns where there are fewer than six), squared for manipulability, the largest of the
+    given configurations, shape (n, n_joints).
     """
     names = singularity_names(robot)
     if names == SINGULARITIES:
-        return np.ones(len(names))
-    bound = np.linalg.norm(jacobian(robot, q), axis=1).prod(axis=1).max(keepdims=True)
-    return np.asarray(bound if names == ("determinant",) else bound**2)
+        return np.full(len(names), _ZERO)
+    lengths = np.linalg.norm(jacobian(robot, q), axis=2 if robot.n_joints >= 6 else 1)
+    bound = lengths.prod(axis=1).max(keepdims=True)
+    return np.asarray(_ZERO * bound if names == ("determinant",) else _ZERO_SQUARE * bound**2)

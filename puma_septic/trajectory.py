@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -21,9 +22,12 @@ _ROUNDING = 1e-13
 
 
 @final
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Trajectory:
     """Joint positions over time and their derivatives, exactly.
+
+    Derivatives and extrema are computed when first asked for and kept; the value itself never changes (the cache needs
+    a ``__dict__``, hence no slots).
 
     Parameters
     ----------
@@ -56,7 +60,6 @@ class Trajectory:
     times: Array
     profile: str = "trajectory"
     joint_names: tuple[str, ...] = ()
-    _derivatives: tuple[Piecewise, Piecewise, Piecewise, Piecewise] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         times = checked_times("times", self.times)
@@ -65,10 +68,6 @@ class Trajectory:
         object.__setattr__(self, "points", checked_array("points", self.points, (len(times), n), unit="rad"))
         if self.joint_names and len(self.joint_names) != n:
             raise InputError(f"joint_names: {len(self.joint_names)} names for {n} joints")
-        velocity = self.position.derivative()
-        acceleration = velocity.derivative()
-        series = (self.position, velocity, acceleration, acceleration.derivative())
-        object.__setattr__(self, "_derivatives", series)
         if len(self.position.breaks) > 2:
             self._refuse_position_jumps()
 
@@ -98,15 +97,43 @@ class Trajectory:
         """s."""
         return self.position.duration
 
+    @cached_property
+    def _derivatives(self) -> tuple[Piecewise, Piecewise, Piecewise, Piecewise]:
+        velocity = self.position.derivative()
+        acceleration = velocity.derivative()
+        return self.position, velocity, acceleration, acceleration.derivative()
+
+    @cached_property
+    def state(self) -> Piecewise:
+        """Position, velocity, acceleration and jerk side by side: 4 n_joints components, searched and sampled as one."""
+        return Piecewise.concatenate(self._derivatives)
+
+    @cached_property
+    def _state_extrema(self) -> Extrema:
+        return self.state.extrema()
+
+    @cached_property
+    def _state_jumps(self) -> Jumps:
+        """Steps of `state` that are larger than rounding, the ends held against rest."""
+        left, right = self.state.ends()
+        rest = np.zeros((1, left.shape[1]))
+        sizes = np.concatenate([left, rest]) - np.concatenate([rest, right])
+        return Jumps(times=self.breaks, sizes=np.where(np.abs(sizes) > self._jump_tolerance(), sizes, 0.0))
+
+    def _part(self, order: int) -> slice:
+        """Where `state` holds the derivative of this order."""
+        if order not in (0, 1, 2, 3):
+            valid = ", ".join(f"{k} ({name})" for k, name in enumerate(ORDERS))
+            raise InputError(f"order = {order!r} is not one of {valid}")
+        return slice(order * self.n_joints, (order + 1) * self.n_joints)
+
     def joint_label(self, j: int) -> str:
         """How messages call joint j."""
         return f"joint {self.joint_names[j]!r}" if self.joint_names else f"joint {j + 1}"
 
     def derivative(self, order: int) -> Piecewise:
         """Position (0), velocity (1), acceleration (2) or jerk (3) as a function of time."""
-        if order not in (0, 1, 2, 3):
-            valid = ", ".join(f"{k} ({name})" for k, name in enumerate(ORDERS))
-            raise InputError(f"order = {order!r} is not one of {valid}")
+        self._part(order)
         return self._derivatives[order]
 
     def __call__(self, t: ArrayLike, order: int = 0) -> Array:
@@ -122,32 +149,30 @@ class Trajectory:
 
     def extrema(self, order: int = 0) -> Extrema:
         """Least and greatest finite values and their instants; see `jumps` for what is unbounded."""
-        return self.derivative(order).extrema()
+        part, extrema = self._part(order), self._state_extrema
+        return Extrema(
+            min=extrema.min[part], max=extrema.max[part], t_min=extrema.t_min[part], t_max=extrema.t_max[part]
+        )
 
     def jumps(self, order: int) -> Jumps:
         """Steps of velocity (1), acceleration (2) or jerk (3), larger than rounding, at breaks and ends.
 
         Before the first and after the last instant the arm is at rest, so a value other than zero there is a step.
         """
-        series = self.derivative(order)
-        left, right = series.ends()
-        rest = np.zeros((1, self.n_joints))
-        sizes = np.concatenate([left, rest]) - np.concatenate([rest, right])
-        step = np.abs(sizes) > self._jump_tolerance(order)
-        some = step.any(axis=1)
-        return Jumps(times=self.breaks[some], sizes=np.where(step, sizes, 0.0)[some])
+        if order == 0:
+            raise InputError("order = 0: the position of a trajectory never jumps; valid: 1, 2, 3")
+        sizes = self._state_jumps.sizes[:, self._part(order)]
+        some = sizes.any(axis=1)
+        return Jumps(times=self.breaks[some], sizes=sizes[some])
 
     def unbounded(self, order: int) -> Array:
         """When each joint's derivative of this order is first unbounded, because a lower one steps; NaN where never.
 
         Shape (n_joints,), s.
         """
-        first = np.full(self.n_joints, np.nan)
-        for lower in range(1, order):
-            jumps = self.jumps(lower)
-            for time, size in zip(jumps.times[::-1], jumps.sizes[::-1], strict=True):
-                first[size != 0] = np.fmin(first, time)[size != 0]
-        return first
+        sizes = self._state_jumps.sizes[:, self.n_joints : max(1, order) * self.n_joints]
+        steps = (sizes.reshape(len(sizes), -1, self.n_joints) != 0).any(axis=1)
+        return np.where(steps.any(axis=0), self.breaks[steps.argmax(axis=0)], np.nan)
 
     def peak(self, order: int) -> tuple[Array, Array]:
         """Largest magnitude of a derivative and its instant, each of shape (n_joints,).
@@ -158,12 +183,12 @@ class Trajectory:
         never = np.isnan(unbounded)
         return np.where(never, extrema.peak, np.inf), np.where(never, extrema.t_peak, unbounded)
 
-    def _jump_tolerance(self, order: int) -> Array:
-        """Per joint: a part of the largest value, and no less than the rounding of the position makes of it."""
-        largest = np.abs(self.derivative(order).coefficients).sum(axis=0).max(axis=0)
-        position = np.abs(self.position.coefficients).sum(axis=0).max(axis=0)
-        shortest = np.diff(self.breaks).min()
-        rounding = _ROUNDING * position * (max(1, self.position.degree) ** 2 / shortest) ** order
+    def _jump_tolerance(self) -> Array:
+        """Per component of `state`: a part of its largest value, and no less than what rounding of the position makes."""
+        largest = np.abs(self.state.coefficients).sum(axis=0).max(axis=0)
+        position = largest[: self.n_joints]
+        growth = max(1, self.position.degree) ** 2 / np.diff(self.breaks).min()
+        rounding = np.outer(growth ** np.arange(4.0), _ROUNDING * position).ravel()
         return np.asarray(np.maximum(_JUMP_TOLERANCE * largest, rounding))
 
     @property

@@ -133,7 +133,7 @@ def test_fit_accepts_noise_that_is_rounding_of_the_largest_component() -> None:
     fitted = Piecewise.fit(g, [0.0, 1.0, 2.0])
     assert np.abs(fitted.extrema().peak[1]) < 1e-14
     assert fitted.degree < 16
-    # Without a search for what is not there: 33 nodes and less an interval.
+    # Without a search for what is not there: a few dozen nodes an interval.
     assert len(asked) < 140
 
 
@@ -156,11 +156,11 @@ def test_fit_is_exact_for_polynomials() -> None:
 
 
 def test_fit_asks_only_for_new_nodes() -> None:
-    """Node sets are nested: degree 32 costs the 17 nodes of degree 16 and the 16 between them."""
+    """Node sets are nested: degree 48 costs the 25 nodes of degree 24 and the 24 between them."""
     g, asked = counted(lambda t: np.sin(8 * t)[:, None])
     Piecewise.fit(g, [0.0, 2.0])
     assert len(asked) == len(set(asked))
-    assert len(asked) == 33
+    assert len(asked) == 49
 
 
 def test_fit_stays_inside_the_span_and_asks_on_the_right_side_of_breaks() -> None:
@@ -176,7 +176,7 @@ def test_fit_stays_inside_the_span_and_asks_on_the_right_side_of_breaks() -> Non
 def test_fit_does_not_mind_a_kink_at_a_break() -> None:
     g, asked = counted(lambda t: np.abs(t - 0.7)[:, None])
     f = Piecewise.fit(g, [0.0, 0.7, 2.0])
-    assert len(asked) == 34
+    assert len(asked) == 2 * 25
     np.testing.assert_allclose(f([0.2, 0.7, 1.7])[:, 0], [0.5, 0.0, 1.0], rtol=0, atol=1e-15)
 
 
@@ -209,7 +209,8 @@ def test_fit_gives_up_on_a_function_that_is_smooth_nowhere() -> None:
     g, asked = counted(lambda t: rng.normal(size=(len(t), 1)))
     with pytest.raises(ps.PumaSepticError, match="not smooth"):
         Piecewise.fit(g, [0.0, 1.0])
-    assert len(asked) < 300_000
+    # The cap of 200,000 samples is looked at after each round, which can double them.
+    assert len(asked) < 400_000
 
 
 def test_fit_refuses_nan_and_says_when() -> None:

@@ -14,7 +14,7 @@ from puma_septic.piecewise import matrices
 __all__ = ["fit_series"]
 
 # Nested node sets: each holds the one before, so that raising the degree asks only for the nodes between.
-_DEGREES = (16, 32, 64, 128)
+_DEGREES = (24, 48, 96)
 # Bisection stops here: an interval this small, relative to the span, means that the function is not smooth.
 _SMALLEST = 2.0**-20
 # And here: noise everywhere would be bisected everywhere. A thousand times what the wildest torque has needed.

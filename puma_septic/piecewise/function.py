@@ -104,7 +104,7 @@ class Piecewise:
 
         Notes
         -----
-        Whatever happens between 17 Chebyshev points of an interval and leaves no trace there, such as a spike, is
+        Whatever happens between 25 Chebyshev points of an interval and leaves no trace there, such as a spike, is
         not seen; give it a break.
         """
         return cls._trusted(*fit_series(f, _checked_breaks(breaks), tolerance))
@@ -299,7 +299,7 @@ def _aligned(f: Piecewise, g: Piecewise) -> tuple[Piecewise, Piecewise]:
     """Both functions on the union of their breaks."""
     if f.n_components != g.n_components:
         raise InputError(f"functions of {f.n_components} and {g.n_components} components cannot be combined")
-    if f.breaks is g.breaks:
+    if np.array_equal(f.breaks, g.breaks):
         return f, g
     if f.breaks[0] != g.breaks[0] or f.breaks[-1] != g.breaks[-1]:
         raise InputError(

@@ -1,0 +1,20 @@
+"""Run every benchmark and print one table each: ``python -m benchmarks``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+# The same modules whether this is run as a module or as a folder.
+sys.path.insert(0, str(Path(__file__).parent))
+
+import bench_assessment
+import bench_ik
+import bench_processes
+
+from puma_septic.tables import text_table
+
+for benchmark in (bench_assessment, bench_processes, bench_ik):
+    headers, *rows = benchmark.run()
+    print(text_table(headers, rows), flush=True)
+    print()

@@ -157,7 +157,7 @@ def test_fit_is_exact_for_polynomials() -> None:
 
 def test_fit_asks_only_for_new_nodes() -> None:
     """Node sets are nested: degree 48 costs the 25 nodes of degree 24 and the 24 between them."""
-    g, asked = counted(lambda t: np.sin(8 * t)[:, None])
+    g, asked = counted(lambda t: np.sin(12 * t)[:, None])
     Piecewise.fit(g, [0.0, 2.0])
     assert len(asked) == len(set(asked))
     assert len(asked) == 49

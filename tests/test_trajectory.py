@@ -1,0 +1,308 @@
+"""Trajectory: what is true of any joint-space motion."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+import puma_septic as ps
+
+Array = NDArray[np.float64]
+seeds = st.integers(0, 10**6)
+FAMILIES = ("septic", "lspb", "quintic_segments")
+
+
+def random_points(seed: int, *, n: int = 3) -> tuple[Array, Array]:
+    rng = np.random.default_rng(seed)
+    return rng.uniform(-3, 3, (4, n)), rng.uniform(-5, 5) + np.array([0.0, *np.cumsum(rng.uniform(0.5, 3, 3))])
+
+
+def make(family: str, points: Array, times: Array) -> ps.Trajectory:
+    """A trajectory of the family through the points; lspb starts at 0, whatever the times."""
+    if family == "lspb":
+        durations = np.diff(times)
+        return ps.lspb(points, durations=durations, blend_time=0.4 * durations.min())
+    return {"septic": ps.septic, "quintic_segments": ps.quintic_segments}[family](points, times)
+
+
+def from_powers(breaks: list[float], *pieces: list[float]) -> ps.Trajectory:
+    """One joint; each piece by powers of the time since its break over its length."""
+    degree = max(len(p) for p in pieces)
+    powers = np.array([p + [0.0] * (degree - len(p)) for p in pieces]).T[:, :, None]
+    position = ps.Piecewise.from_power(breaks, powers)
+    return ps.Trajectory(position=position, points=position(breaks), times=np.array(breaks))
+
+
+# --- making one ---------------------------------------------------------------------------------------
+
+
+def test_a_jump_of_the_position_is_refused() -> None:
+    with pytest.raises(ps.InputError, match=r"joint 1: position jumps by 0\.5 rad at t = 1 s; .*must be continuous"):
+        from_powers([0.0, 1.0, 2.0], [0.0, 1.0], [1.5, 1.0])
+
+
+def test_a_jump_is_told_by_the_joint_s_name() -> None:
+    position = ps.Piecewise(breaks=[0.0, 1.0, 2.0], coefficients=[[[1.0, 1.0], [1.0, 1.001]]])
+    with pytest.raises(ps.InputError, match=r"joint 'elbow': position jumps by 0\.001 rad at t = 1 s"):
+        ps.Trajectory(position=position, points=position([0.0]), times=[0.0], joint_names=("base", "elbow"))
+
+
+def test_bad_arguments_are_refused() -> None:
+    position = ps.Piecewise(breaks=[0.0, 1.0], coefficients=np.ones((1, 1, 2)))
+    with pytest.raises(ps.InputError, match="joint_names: 1 names for 2 joints"):
+        ps.Trajectory(position=position, points=[[1.0, 1.0]], times=[0.0], joint_names=("base",))
+    with pytest.raises(ps.InputError, match=r"points: shape \(1, 3\) is not \(1, 2\)"):
+        ps.Trajectory(position=position, points=[[1.0, 1.0, 1.0]], times=[0.0])
+    with pytest.raises(ps.InputError, match=r"times\[0\] = 0 s is followed by 0 s"):
+        ps.Trajectory(position=position, points=[[1.0, 1.0]] * 2, times=[0.0, 0.0])
+
+
+def test_an_unknown_order_lists_the_valid_ones() -> None:
+    move = ps.quintic_segments([[0.0], [1.0]], [0.0, 1.0])
+    for order in (4, -1, 0.5, None, "velocity"):
+        message = r"order = .* is not one of 0 \(position\), 1 \(velocity\), 2 \(acceleration\), 3 \(jerk\)"
+        with pytest.raises(ps.InputError, match=message):
+            move(0.5, order=order)  # type: ignore[arg-type]
+
+
+def test_times_outside_the_span_are_refused() -> None:
+    move = ps.quintic_segments([[0.0], [1.0]], [2.0, 3.0])
+    for t in (1.999, 3.001, [2.5, 0.0], np.nan):
+        with pytest.raises(ps.InputError, match=r"t = \S+ s is outside the span \[2, 3\] s"):
+            move(t, order=1)
+
+
+# --- evaluation -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_shapes(family: str) -> None:
+    move = make(family, *random_points(1, n=3))
+    for order in range(4):
+        assert move(move.breaks[0], order).shape == (3,)
+        assert move(np.linspace(*move.breaks[[0, -1]], 7), order).shape == (7, 3)
+    assert move.n_joints == 3
+    assert move.duration == pytest.approx(move.times[-1] - move.times[0], rel=1e-15)
+    assert move.profile == family
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@given(seed=seeds)
+@hypothesis_settings(max_examples=15)
+def test_derivatives_are_differences_of_the_position(family: str, seed: int) -> None:
+    """Two ways: the series' derivative, and central differences of one order below."""
+    move = make(family, *random_points(seed))
+    h = 1e-5 * move.duration
+    t = np.linspace(*move.breaks[[0, -1]], 40)[1:-1]
+    t = t[np.abs(t[:, None] - move.breaks).min(axis=1) > 2 * h]
+    for order in (1, 2, 3):
+        differences = (move(t + h, order - 1) - move(t - h, order - 1)) / (2 * h)
+        scale = np.abs(move(t, order)).max() + np.abs(differences).max()
+        # h^2 / 6 of the derivative two orders up, which short blends make large, and rounding over h.
+        np.testing.assert_allclose(differences, move(t, order), rtol=0, atol=1e-5 * scale)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@given(seed=seeds)
+@hypothesis_settings(max_examples=15)
+def test_power_coefficients_are_the_function(family: str, seed: int) -> None:
+    """Two ways: Chebyshev series in one call, and powers of t - breaks[i] one number at a time."""
+    move = make(family, *random_points(seed))
+    powers = move.power_coefficients()
+    assert powers.shape[0] == len(move.breaks) - 1
+    assert powers.shape[2] == 3
+    for i, (left, right) in enumerate(zip(move.breaks[:-1], move.breaks[1:], strict=True)):
+        for t in np.linspace(left, right, 5)[:-1]:
+            for j in range(3):
+                p = np.polynomial.Polynomial(powers[i, :, j])
+                for order in range(4):
+                    expected = p.deriv(order)(t - left) if order else p(t - left)
+                    scale = 1 + np.abs(move.derivative(order).coefficients).sum(axis=0).max()
+                    # Powers of degree 7 are ill conditioned: some 1e4 roundings.
+                    assert move(t, order)[j] == pytest.approx(expected, abs=1e-11 * scale)
+
+
+# --- peaks -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@given(seed=seeds)
+@hypothesis_settings(max_examples=15)
+def test_exact_peaks_against_dense_samples(family: str, seed: int) -> None:
+    move = make(family, *random_points(seed))
+    t = np.unique(np.concatenate([np.linspace(*move.breaks[[0, -1]], 20_001), np.nextafter(move.breaks[1:], 0)]))
+    t = t[t >= move.breaks[0]]
+    for order in range(4):
+        found, sampled = move.extrema(order), move(t, order)
+        size = found.peak.max()
+        # Samples miss a peak inside by curvature * step^2 / 8, one at a break by slope * step.
+        assert (found.max >= sampled.max(axis=0) - 1e-9 * size).all()
+        assert (found.min <= sampled.min(axis=0) + 1e-9 * size).all()
+        np.testing.assert_allclose(found.max, sampled.max(axis=0), rtol=0, atol=2e-5 * size)
+        np.testing.assert_allclose(found.min, sampled.min(axis=0), rtol=0, atol=2e-5 * size)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@given(seed=seeds, k=st.sampled_from([0.25, 0.5, 3.0, 17.0]))
+@hypothesis_settings(max_examples=15)
+def test_stretching_time_divides_the_derivatives(family: str, seed: int, k: float) -> None:
+    """By k, k^2 and k^3, and moves their instants along."""
+    points, times = random_points(seed)
+    move, slow = make(family, points, times), make(family, points, k * times)
+    for order in range(4):
+        found, expected = slow.extrema(order), move.extrema(order)
+        np.testing.assert_allclose(found.peak * k**order, expected.peak, rtol=1e-9)
+        assert len(slow.jumps(max(order, 1)).times) == len(move.jumps(max(order, 1)).times)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@given(seed=seeds, factor=st.sampled_from([-1.0, 1e-3, 4.0]), offset=st.sampled_from([0.0, -2.0, 50.0]))
+@hypothesis_settings(max_examples=15)
+def test_scaling_and_shifting_the_points_scales_and_shifts_the_motion(
+    family: str, seed: int, factor: float, offset: float
+) -> None:
+    points, times = random_points(seed)
+    move, other = make(family, points, times), make(family, factor * points + offset, times)
+    t = np.linspace(*move.breaks[[0, -1]], 50)
+    reach = np.abs(move.position.coefficients).sum(axis=0).max()
+    atol = 1e-12 * (reach * abs(factor) + abs(offset))
+    np.testing.assert_allclose(other(t), factor * move(t) + offset, rtol=0, atol=atol)
+    # The offset's rounding, seen through a derivative over the shortest interval.
+    steepness = 50 / np.diff(move.breaks).min()
+    np.testing.assert_allclose(other(t, 1), factor * move(t, 1), rtol=0, atol=atol * steepness)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@given(seed=seeds)
+@hypothesis_settings(max_examples=10)
+def test_a_motion_that_starts_later_is_the_same(family: str, seed: int) -> None:
+    points, times = random_points(seed)
+    times = times - times[0]
+    early, late = make(family, points, times), make(family, points, times + 1000.0)
+    shift = late.breaks[0] - early.breaks[0]
+    t = np.linspace(0.0, times[-1], 30)
+    np.testing.assert_allclose(late(np.clip(t + shift, *late.breaks[[0, -1]])), early(t), rtol=0, atol=1e-10)
+    for order in (1, 2, 3):
+        np.testing.assert_allclose(late.jumps(order).times, early.jumps(order).times + shift, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(late.extrema(order).t_max - shift, early.extrema(order).t_max, rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_joint_that_is_not_asked_to_move_is_exactly_still(family: str) -> None:
+    """Its Coulomb friction depends on it: velocity noise would be a direction."""
+    points, times = random_points(3, n=3)
+    points[:, 1] = -3.1416
+    move = make(family, points, times)
+    t = np.linspace(*move.breaks[[0, -1]], 101)
+    assert (move(t)[:, 1] == -3.1416).all()
+    for order in (1, 2, 3):
+        assert (move(t, order)[:, 1] == 0.0).all()
+        assert move.extrema(order).peak[1] == 0.0
+    assert len(move.derivative(1).roots()[1]) == 0
+    assert (move.jumps(3).sizes[:, 1] == 0.0).all()
+
+
+# --- steps -------------------------------------------------------------------------------------------------
+
+
+def test_the_ends_are_held_against_rest() -> None:
+    """Constant speed throughout: nothing steps inside, everything does at the ends."""
+    line = from_powers([0.0, 2.0], [1.0, 6.0])
+    jumps = line.jumps(1)
+    assert jumps.times.tolist() == [0.0, 2.0]
+    np.testing.assert_allclose(jumps.sizes.ravel(), [3.0, -3.0], rtol=1e-14)
+    assert len(line.jumps(2).times) == 0
+
+
+def test_steps_inside() -> None:
+    """Speed 1, then 2, then back: position goes on, velocity steps at each break."""
+    legs = from_powers([0.0, 1.0, 3.0, 4.0], [0.0, 1.0], [1.0, 4.0], [5.0, -5.0])
+    np.testing.assert_allclose(legs.jumps(1).times, [0.0, 1.0, 3.0, 4.0])
+    np.testing.assert_allclose(legs.jumps(1).sizes.ravel(), [1.0, 1.0, -7.0, 5.0], rtol=1e-13)
+    with pytest.raises(ps.InputError, match="position of a trajectory never jumps; valid: 1, 2, 3"):
+        legs.jumps(0)
+
+
+def test_acceleration_steps_of_a_bang_bang_motion() -> None:
+    """Half the way with acceleration 4 h / T^2, half with its negative (profiles of constant acceleration)."""
+    bang = from_powers([0.0, 1.0, 2.0], [0.0, 0.0, 0.5], [0.5, 1.0, -0.5])
+    assert len(bang.jumps(1).times) == 0
+    np.testing.assert_allclose(bang.jumps(2).sizes.ravel(), [1.0, -2.0, 1.0], rtol=1e-13)
+    np.testing.assert_allclose(bang.extrema(2).peak, [1.0], rtol=1e-14)
+
+
+def test_what_is_unbounded() -> None:
+    """A step of the velocity makes acceleration and jerk infinite, one of the acceleration the jerk."""
+    rest = [0.0, 0.0, 0.0, 10.0, -15.0, 6.0]
+    powers = np.zeros((6, 2, 3))
+    powers[:, 0, 0] = rest
+    powers[0, 1, 0] = 1.0
+    powers[[0, 1], 0, 1], powers[[0, 1], 1, 1] = [0.0, 1.0], [1.0, 2.0]
+    powers[2, 0, 2], powers[[0, 1, 2], 1, 2] = 0.5, [0.5, 1.0, -0.5]
+    position = ps.Piecewise.from_power([5.0, 6.0, 7.0], powers)
+    move = ps.Trajectory(position=position, points=position([5.0]), times=[5.0])
+    np.testing.assert_array_equal(move.unbounded(1), [np.nan] * 3)
+    np.testing.assert_array_equal(move.unbounded(2), [np.nan, 5.0, np.nan])
+    np.testing.assert_array_equal(move.unbounded(3), [np.nan, 5.0, 5.0])
+    peak, t_peak = move.peak(3)
+    np.testing.assert_allclose(peak, [60.0, np.inf, np.inf], rtol=1e-12)
+    assert t_peak.tolist() == [5.0, 5.0, 5.0]
+    np.testing.assert_allclose(move.peak(2)[0], [5.7735, np.inf, 1.0], rtol=1e-5)
+
+
+@pytest.mark.parametrize("family", ["septic", "quintic_segments", "lspb"])
+@given(seed=seeds)
+@hypothesis_settings(max_examples=25)
+def test_rounding_is_no_step(family: str, seed: int) -> None:
+    """All three are continuous to the acceleration, at the ends as well, however large the angles."""
+    points, times = random_points(seed)
+    move = make(family, 100 * points + 300, times)
+    assert len(move.jumps(1).times) == 0
+    assert len(move.jumps(2).times) == 0
+    assert np.isnan(move.unbounded(3)).all()
+
+
+@given(seed=seeds, part=st.sampled_from([1e-6, 1e-4, 1e-2]))
+@hypothesis_settings(max_examples=10)
+def test_a_small_step_is_one(seed: int, part: float) -> None:
+    """A motion that is cut off a little before its end stops with a jerk of the arm."""
+    points, times = random_points(seed, n=1)
+    v = np.zeros((4, 1))
+    v[-1] = part
+    jumps = ps.quintic_segments(points, times, velocities=v).jumps(1)
+    assert jumps.times.tolist() == [times[-1]]
+    np.testing.assert_allclose(jumps.sizes, [[-part]], rtol=1e-6)
+
+
+# --- beyond the points ------------------------------------------------------------------------------------------
+
+
+def test_overshoot_is_the_excess_beyond_the_hull_of_the_points() -> None:
+    parabola = ps.Piecewise.from_power([0.0, 2.0], np.array([[0.0, 0.0], [4.0, 1.0], [-4.0, 0.0]])[:, None, :])
+    move = ps.Trajectory(position=parabola, points=[[0.0, 0.0], [0.0, 1.0]], times=[0.0, 2.0])
+    np.testing.assert_allclose(move.overshoot, [1.0, 0.0], rtol=1e-14)
+    wider = ps.Trajectory(position=parabola, points=[[0.25, 0.0], [0.75, 1.0]], times=[0.0, 2.0])
+    np.testing.assert_allclose(wider.overshoot, [0.25, 0.0], rtol=1e-14)
+    np.testing.assert_allclose(wider.via_miss, [0.75, 0.0], rtol=1e-14)
+
+
+@given(seed=seeds)
+@hypothesis_settings(max_examples=20)
+def test_what_visits_its_points_at_rest_misses_none_and_overshoots_none(seed: int) -> None:
+    move = ps.quintic_segments(*random_points(seed))
+    assert (move.overshoot == 0).all()
+    assert (move.via_miss == 0).all()
+
+
+@given(seed=seeds)
+@hypothesis_settings(max_examples=20)
+def test_a_septic_visits_its_points(seed: int) -> None:
+    move = ps.septic(*random_points(seed))
+    assert (move.via_miss < 1e-10).all()
+    reach = move.extrema(0)
+    excess = np.maximum(reach.max - move.points.max(axis=0), move.points.min(axis=0) - reach.min)
+    np.testing.assert_allclose(move.overshoot, excess, rtol=0, atol=1e-12)

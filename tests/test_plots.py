@@ -85,9 +85,7 @@ def test_texts_of_a_panel_do_not_overlap(figures: dict[str, Figure]) -> None:
         figure.draw_without_rendering()
         for panel in figure.axes:
             if panel.get_title("right"):
-                left, right = (
-                    getattr(panel, title).get_window_extent() for title in ("_left_title", "_right_title")
-                )
+                left, right = (getattr(panel, title).get_window_extent() for title in ("_left_title", "_right_title"))
                 assert left.x1 < right.x0, name
 
 
@@ -98,9 +96,7 @@ def test_a_notebook_displays_the_figure_900_pixels_wide(figures: dict[str, Figur
         assert int.from_bytes(png[16:20]) == 900  # the width in the header
 
 
-def test_nothing_is_shown_or_saved(
-    septic: Assessment, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_nothing_is_shown_or_saved(septic: Assessment, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     plots.plot_torque(septic)
     assert list(tmp_path.iterdir()) == []
@@ -130,9 +126,7 @@ def test_curves_are_the_trajectory(septic: Assessment) -> None:
     for j, panel in enumerate(figure.axes):
         # The first and the last point are rest, before and after the motion.
         t, v = (np.asarray(data)[1:-1] for data in panel.lines[0].get_data())
-        np.testing.assert_allclose(
-            v, trajectory(t, 1)[:, j], rtol=0, atol=1e-14
-        )  # the same numbers, another order
+        np.testing.assert_allclose(v, trajectory(t, 1)[:, j], rtol=0, atol=1e-14)  # the same numbers, another order
 
 
 def test_a_step_is_a_vertical_line(lspb: Assessment) -> None:
@@ -142,9 +136,7 @@ def test_a_step_is_a_vertical_line(lspb: Assessment) -> None:
     at = np.flatnonzero(t == 1.5)
     assert len(at) == 2
     assert at[1] == at[0] + 1
-    np.testing.assert_allclose(
-        jerk[at], [0.0, 6 * (-0.5716 - 2.57) / 4], atol=1e-12
-    )  # rounding of the series
+    np.testing.assert_allclose(jerk[at], [0.0, 6 * (-0.5716 - 2.57) / 4], atol=1e-12)  # rounding of the series
 
 
 def test_the_step_from_rest_is_drawn(septic: Assessment) -> None:
@@ -152,9 +144,7 @@ def test_the_step_from_rest_is_drawn(septic: Assessment) -> None:
     t, jerk = plots.plot_trajectory(septic.motion.trajectory, 3).axes[0].lines[0].get_data()
     assert list(t[:2]) == [0.0, 0.0]
     assert jerk[0] == 0.0
-    assert jerk[1] == pytest.approx(
-        6 * 0.093777194, abs=1e-8
-    )  # six times the coefficient of t^3, nine digits
+    assert jerk[1] == pytest.approx(6 * 0.093777194, abs=1e-8)  # six times the coefficient of t^3, nine digits
     assert jerk[-1] == 0.0
 
 
@@ -178,9 +168,7 @@ def test_via_points_and_limits_are_drawn(septic: Assessment, puma: ps.Robot) -> 
     figure = plots.plot_joints(septic, orders=(0, 1))
     position, velocity = figure.axes[:2]
     assert len(figure.axes) == 12
-    assert any(
-        np.array_equal(line.get_ydata(), septic.motion.trajectory.points[:, 0]) for line in position.lines
-    )
+    assert any(np.array_equal(line.get_ydata(), septic.motion.trajectory.points[:, 0]) for line in position.lines)
     speeds = {float(line.get_ydata()[0]) for line in velocity.lines if len(line.get_ydata()) == 2}
     assert speeds == {-puma.limits.velocity[0], puma.limits.velocity[0]}
 
@@ -244,9 +232,7 @@ def test_causes_sum_to_the_total(septic: Assessment) -> None:
         np.testing.assert_allclose(np.sum(causes, axis=0), total, atol=2e-3 * size, err_msg=f"joint {j + 1}")
 
 
-def test_split_names_only_the_causes_there_are(
-    puma: ps.Robot, points: np.ndarray, septic: Assessment
-) -> None:
+def test_split_names_only_the_causes_there_are(puma: ps.Robot, points: np.ndarray, septic: Assessment) -> None:
     def names(assessment: Assessment) -> list[str]:
         return [text.get_text() for text in plots.plot_torque_split(assessment).legends[0].get_texts()]
 
@@ -261,9 +247,7 @@ def test_workspace_goes_through_the_via_points(septic: Assessment, puma: ps.Robo
     vias = ps.forward_kinematics(puma, septic.motion.trajectory.points)[:, :3, 3]
     np.testing.assert_allclose(path[[0, -1]], vias[[0, -1]], atol=1e-12)  # the same positions
     np.testing.assert_allclose(np.array(space.lines[1].get_data_3d()).T, vias, atol=1e-12)
-    assert np.asarray(height.lines[0].get_ydata()).max() == pytest.approx(
-        septic.tool.height_range[1], abs=1e-4
-    )
+    assert np.asarray(height.lines[0].get_ydata()).max() == pytest.approx(septic.tool.height_range[1], abs=1e-4)
 
 
 def test_utilisation_bars(septic: Assessment, unblended: Assessment) -> None:
@@ -333,9 +317,7 @@ def test_sliding_joints_have_their_units(tmp_path: Path) -> None:
         (lambda a: plots.plot_joints(a, orders=()), "orders: at least one of 0"),
         (lambda a: plots.plot_joints([a, a], labels=["one"]), "labels: 2 texts are needed"),
         (
-            lambda a: plots.plot_trajectory(
-                [a.motion.trajectory, ps.quintic_segments([[0.0], [1.0]], [0.0, 1.0])]
-            ),
+            lambda a: plots.plot_trajectory([a.motion.trajectory, ps.quintic_segments([[0.0], [1.0]], [0.0, 1.0])]),
             r"must have the same joints; got \[1, 6\] joints",
         ),
     ],

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from puma_septic.assessment.joints import blows
 from puma_septic.checks import Array, checked_number
-from puma_septic.cycle.steps import Dwell, Stretch, check_join, check_steps, gaps, inertia, stretch
+from puma_septic.cycle.steps import Dwell, Stretch, check_join, check_steps, gaps, gravity, inertia, stretch
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.piecewise import Jumps, Piecewise
 from puma_septic.robot import Robot
@@ -102,6 +102,11 @@ class Cycle:
     def load_torque(self) -> Piecewise:
         """Torque at the joint without drives, N m (N): links, payload and wrench; no rotors, no friction."""
         return self._sequence([step.load for step in self._stretches])
+
+    @cached_property
+    def gravity_torque(self) -> Piecewise:
+        """The part of `load_torque` that the arm needs at rest in the same posture, N m (N), payload included."""
+        return self._sequence([gravity(step) for step in self._stretches])
 
     @cached_property
     def velocity_sign(self) -> Array:

@@ -15,7 +15,7 @@ from puma_septic.motion import Motion, compute_motion
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Actuator, Payload, Robot
 
-__all__ = ["Dwell", "Stretch", "check_join", "check_steps", "gaps", "inertia", "stretch"]
+__all__ = ["Dwell", "Stretch", "check_join", "check_steps", "gaps", "gravity", "inertia", "stretch"]
 
 # Steps join where position and velocity differ by less than this part of their largest values (at least 1 rad and
 # 1 rad/s): some thousand roundings of a polynomial's end value.
@@ -143,6 +143,16 @@ def inertia(stretch: Stretch) -> Piecewise:
         return np.asarray(np.diagonal(mass_matrix(bare, stretch.position(t)), axis1=1, axis2=2))
 
     return Piecewise.fit(diagonal, stretch.position.breaks)
+
+
+def gravity(stretch: Stretch) -> Piecewise:
+    """Torque that holds the arm at rest along a step, with payload and wrench."""
+
+    def held(t: Array) -> Array:
+        q = stretch.position(t)
+        return inverse_dynamics(stretch.robot, q, np.zeros_like(q), np.zeros_like(q), friction=False)
+
+    return Piecewise.fit(held, stretch.position.breaks)
 
 
 def check_join(one: Stretch, other: Stretch) -> None:

@@ -36,6 +36,8 @@ def _check_curve(part: object, name: str) -> None:
     """Store a curve as an array of (speed, torque) rows: speeds from 0 upwards, torques not negative."""
     curve = checked_array(name, np.reshape(getattr(part, name), (-1, 2)), (None, 2))
     if len(curve):
+        if len(curve) == 1:
+            raise InputError(f"{name}: a curve needs at least two (speed, torque) rows, got {curve.tolist()}")
         if curve[0, 0] != 0:
             raise InputError(f"{name}: the first speed is {curve[0, 0]:g} rad/s; a curve must start at 0 rad/s")
         if not (np.diff(curve[:, 0]) > 0).all():

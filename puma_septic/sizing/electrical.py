@@ -1,0 +1,70 @@
+"""Electric power of a motor over a cycle, and what becomes of the power that comes back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from puma_septic.checks import Array
+from puma_septic.piecewise import Piecewise
+
+__all__ = ["Regeneration", "electric_power", "energies", "regeneration"]
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Regeneration:
+    """What a bus that takes up energy E at most does with what comes back over a steady cycle.
+
+    Attributes
+    ----------
+    stored : float
+        The most that its capacitor would take up if it had no bound, J; infinite where a cycle returns more than it
+        draws.
+    braked : float
+        Energy per cycle that does not fit and goes into the brake resistor, J.
+    """
+
+    stored: float
+    braked: float
+
+
+def electric_power(torque: Piecewise, speed: Piecewise, *, torque_constant: float, resistance: float) -> Piecewise:
+    """Power at the motor's terminals, ``torque speed + R (torque / k)^2``, W; iron losses are left out."""
+    return torque * speed + torque * torque * (resistance / torque_constant**2)
+
+
+def energies(power: Piecewise) -> Array:
+    """Energy of each stretch of one sign, J, in order; their sum is that of the whole cycle."""
+    power = power.split(power.roots()[0])
+    return np.diff(power.integral()(power.breaks)[:, 0])
+
+
+def regeneration(flows: Array, *, storable: float, periodic: bool) -> Regeneration:
+    """Of the energies drawn (positive) and returned (negative) in order, what is stored and what must be braked.
+
+    Within a stretch of one sign the capacitor only fills, or only empties, so that clipping at its end is exact. A
+    steady cycle begins full where it returns more than it draws, with what the one before leaves otherwise; one that is
+    not periodic begins empty.
+    """
+    net = -float(flows.sum())
+    if periodic:
+        start = storable if net > 0 else 0.0
+        start = _through(flows, start, storable)[0]
+        stored = np.inf if net > 0 else _through(flows, _through(flows, 0.0, np.inf)[0], np.inf)[1]
+    else:
+        start, stored = 0.0, _through(flows, 0.0, np.inf)[1]
+    return Regeneration(stored=stored, braked=_through(flows, start, storable)[2])
+
+
+def _through(flows: Array, start: float, storable: float) -> tuple[float, float, float]:
+    """Charge at the end, highest charge, and energy braked, of one cycle."""
+    charge, highest, braked = start, start, 0.0
+    for flow in flows.tolist():
+        charge = max(charge - flow, 0.0)
+        braked += max(charge - storable, 0.0)
+        charge = min(charge, storable)
+        highest = max(highest, charge)
+    return charge, highest, braked

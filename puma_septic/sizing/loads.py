@@ -1,0 +1,180 @@
+"""What a cycle asks of one joint's drive train: at the gearbox's output, and at the motor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from puma_septic.checks import Array
+from puma_septic.cycle import Cycle
+from puma_septic.drives import Drivetrain
+from puma_septic.piecewise import Piecewise
+
+__all__ = ["JointLoad", "MotorLoad", "joint_load", "motor_load", "stepwise"]
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class JointLoad:
+    """One joint over a cycle, without its drive. All functions have one component; torque, velocity and
+    acceleration share their breaks.
+
+    Attributes
+    ----------
+    joint : str
+    is_prismatic : bool
+        Then torques are forces in N, speeds in m/s and inertias masses in kg.
+    torque : Piecewise
+        What the gearbox's output carries, N m: links, payload, wrench; no rotor, no friction.
+    gravity : Piecewise
+        Its part at rest in the same posture, payload and wrench included; its breaks are its own.
+    velocity, acceleration : Piecewise
+        rad/s, rad/s^2.
+    velocity_sign, power_sign : ndarray, shape (n_intervals,)
+        Sign of the velocity and of ``torque * velocity`` on each interval, 0 at rest: neither changes inside one.
+    braked : ndarray of bool, shape (n_intervals,)
+        Whether a brake at the motor carries the load instead of the motor.
+    inertia : Piecewise
+        Inertia that the joint moves alone, ``M_jj`` without rotors, kg m^2; its breaks are its own.
+    unbounded : float
+        When the torque is first unbounded because a velocity steps, s; NaN: never.
+    why_not_periodic : str
+        Empty for a cycle that returns to its start.
+    """
+
+    joint: str
+    is_prismatic: bool
+    torque: Piecewise
+    gravity: Piecewise
+    velocity: Piecewise
+    acceleration: Piecewise
+    velocity_sign: Array
+    power_sign: Array
+    braked: NDArray[np.bool_]
+    inertia: Piecewise
+    unbounded: float
+    why_not_periodic: str
+
+    @property
+    def duration(self) -> float:
+        """Of the cycle, s."""
+        return self.torque.duration
+
+    @property
+    def speed(self) -> Piecewise:
+        """Magnitude of the velocity."""
+        return stepwise(self.velocity, self.velocity_sign)
+
+    @property
+    def mean_speed(self) -> float:
+        """Mean magnitude of the velocity, rests included."""
+        return float(self.speed.integral()(self.speed.breaks[-1])[0]) / self.duration
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class MotorLoad:
+    """The motor's side of a joint, in the joint's direction whatever the sign of the gear ratio.
+
+    Attributes
+    ----------
+    torque : Piecewise
+        N m at the shaft's magnetic side: rotor inertia and the motor's friction are in it. 0 under a brake.
+    speed : Piecewise
+        rad/s, signed.
+    direction : ndarray, shape (n_intervals,)
+        Sign of the speed on each interval, 0 at rest.
+    parts : dict of str to Piecewise
+        "load" (through the gears, with their efficiency), "rotor" (with the gears' input inertia) and "friction"; they
+        sum to `torque`.
+    unbounded : float
+        When the torque is first unbounded, s; NaN: never.
+    """
+
+    torque: Piecewise
+    speed: Piecewise
+    direction: Array
+    parts: dict[str, Piecewise]
+    unbounded: float
+
+    @property
+    def power(self) -> Piecewise:
+        """Mechanical power ``torque * speed``, W, positive where the motor drives."""
+        return self.torque * self.speed
+
+    @property
+    def duration(self) -> float:
+        """Of the cycle, s."""
+        return self.torque.duration
+
+    @property
+    def rms_torque(self) -> float:
+        """Root mean square over the cycle, rests included, N m; infinite where the torque is."""
+        if not np.isnan(self.unbounded):
+            return np.inf
+        return float(np.sqrt(self.torque.inner(self.torque)[0] / self.duration))
+
+    @property
+    def mean_speed(self) -> float:
+        """Mean magnitude of the speed, rests included, rad/s."""
+        speed = stepwise(self.speed, self.direction)
+        return float(speed.integral()(speed.breaks[-1])[0]) / self.duration
+
+
+def joint_load(cycle: Cycle, j: int) -> JointLoad:
+    """What a cycle asks of joint j, split where its velocity or its power changes sign."""
+    torque = _component(cycle.load_torque, j)
+    roots = torque.roots()[0]
+    velocity, acceleration = (_component(cycle.trajectory.derivative(order), j) for order in (1, 2))
+    torque = torque.split(roots)
+    velocity, acceleration = velocity.split(torque.breaks), acceleration.split(torque.breaks)
+    middles = (torque.breaks[:-1] + torque.breaks[1:]) / 2
+    interval = np.searchsorted(cycle.load_torque.breaks[1:-1], middles)
+    direction = cycle.velocity_sign[interval, j]
+    return JointLoad(
+        joint=cycle.joint_names[j],
+        is_prismatic=bool(cycle.robot.is_prismatic[j]),
+        torque=torque,
+        velocity=velocity,
+        acceleration=acceleration,
+        velocity_sign=direction,
+        power_sign=direction * torque.signs()[:, 0],
+        braked=cycle.braked[interval],
+        gravity=_component(cycle.gravity_torque, j),
+        inertia=_component(cycle.inertia, j),
+        unbounded=float(cycle.unbounded[j]),
+        why_not_periodic=cycle.why_not_periodic,
+    )
+
+
+def motor_load(load: JointLoad, train: Drivetrain) -> MotorLoad:
+    """What the motor of a drive train sees of a joint's load; see `Drivetrain` for the equation."""
+    n = train.ratio
+    free = ~load.braked
+    passed = train.transmission[load.power_sign.astype(int) + 1] / n
+    coulomb = train.coulomb_friction[load.velocity_sign.astype(int) + 1]
+    steps = Piecewise(breaks=load.torque.breaks, coefficients=coulomb[None, :, None])
+    parts = {
+        "load": stepwise(load.torque, passed * free),
+        "rotor": load.acceleration * (train.inertia * n),
+        "friction": load.velocity * (train.viscous_friction * n) + steps,
+    }
+    return MotorLoad(
+        torque=parts["load"] + parts["rotor"] + parts["friction"],
+        speed=load.velocity * n,
+        direction=load.velocity_sign,
+        parts=parts,
+        unbounded=load.unbounded,
+    )
+
+
+def stepwise(f: Piecewise, factors: Array) -> Piecewise:
+    """A function times one factor per interval."""
+    return Piecewise(breaks=f.breaks, coefficients=f.coefficients * factors[None, :, None])
+
+
+def _component(f: Piecewise, j: int) -> Piecewise:
+    return Piecewise(breaks=f.breaks, coefficients=f.coefficients[:, :, j : j + 1])

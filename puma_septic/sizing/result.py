@@ -1,0 +1,202 @@
+"""Sizing: a duty cycle, the drive trains that are to do it, and what their limits say to that."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, final
+
+import numpy as np
+
+from puma_septic.checks import Array, checked_choice, checked_number
+from puma_septic.cycle import Cycle
+from puma_septic.drives import Drivetrain, own_drivetrains
+from puma_septic.errors import InputError
+from puma_septic.sizing.checks import assess_joint
+from puma_septic.sizing.demands import Demands
+from puma_septic.sizing.loads import joint_load, motor_load
+from puma_septic.sizing.outcome import NotAssessed, Outcome, SizingCheck
+from puma_septic.sizing.texts import sizing_document, sizing_text
+
+__all__ = ["MotorLoadProfile", "Sizing", "size"]
+
+_RPM = 60 / (2 * np.pi)
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class MotorLoadProfile:
+    """One motor's load as samples, the form that the design tools of motor makers read.
+
+    Attributes
+    ----------
+    joint : str
+    time : ndarray, shape (n,)
+        s. Reversals, changes between motoring and braking and the ends of steps are among them; where the torque steps,
+        the value after the step.
+    speed_rpm, torque : ndarray, shape (n,)
+        1/min and N m at the shaft, in the joint's direction.
+    """
+
+    joint: str
+    time: Array
+    speed_rpm: Array
+    torque: Array
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Sizing:
+    """A duty cycle held against drive trains; made by `size`.
+
+    Attributes
+    ----------
+    cycle : Cycle
+    drivetrains : tuple of Drivetrain
+        One per joint.
+    demands : tuple of Demands
+        One per joint: every number behind the checks, with the functions of time to draw.
+    """
+
+    cycle: Cycle
+    drivetrains: tuple[Drivetrain, ...]
+    demands: tuple[Demands, ...]
+
+    @cached_property
+    def _outcomes(self) -> tuple[Outcome, ...]:
+        return tuple(outcome for demands in self.demands for outcome in assess_joint(demands))
+
+    @property
+    def checks(self) -> tuple[SizingCheck, ...]:
+        """Every known limit held against its demand, joint by joint."""
+        return tuple(outcome for outcome in self._outcomes if isinstance(outcome, SizingCheck))
+
+    def joint_checks(self, joint: str) -> tuple[SizingCheck, ...]:
+        """The checks of one joint, the most used limit first."""
+        name = checked_choice("joint", joint, self.cycle.joint_names)
+        return tuple(sorted((c for c in self.checks if c.joint == name), key=lambda check: -check.utilisation))
+
+    @property
+    def violations(self) -> tuple[SizingCheck, ...]:
+        """The limits that are broken, the worst first; rules of thumb are in `warnings`."""
+        return self._broken(thumb=False)
+
+    @property
+    def warnings(self) -> tuple[SizingCheck, ...]:
+        """The rules of thumb that are not kept: unusual, but no reason to reject."""
+        return self._broken(thumb=True)
+
+    def _broken(self, *, thumb: bool) -> tuple[SizingCheck, ...]:
+        broken = [c for c in self.checks if c.is_violated and (c.kind == "rule of thumb") == thumb]
+        return tuple(sorted(broken, key=lambda check: -check.utilisation))
+
+    @property
+    def governing(self) -> SizingCheck | None:
+        """The limit used most, rules of thumb apart; None where none is known."""
+        binding = [check for check in self.checks if check.kind != "rule of thumb"]
+        return max(binding, key=lambda check: check.utilisation, default=None)
+
+    @property
+    def is_feasible(self) -> bool:
+        """Whether no known limit is broken and no unbounded torque is needed (as a step in velocity would)."""
+        return not self.violations and bool(np.isnan(self.cycle.unbounded).all())
+
+    @property
+    def not_assessed(self) -> tuple[str, ...]:
+        """Checks that could not be made, and torques left out, with the reason and the joints concerned."""
+        joints: dict[str, list[str]] = {}
+        for demands in self.demands:
+            for what in demands.train.left_out:
+                joints.setdefault(f"unknown and left out of the torque: {what}", []).append(demands.load.joint)
+        for outcome in self._outcomes:
+            if isinstance(outcome, NotAssessed):
+                joints.setdefault(f"{outcome.quantity}: {outcome.reason}", []).append(outcome.joint)
+        everything = len(self.demands)
+        return tuple(
+            f"{line} (all joints)" if len(names) == everything else f"{line} ({', '.join(names)})"
+            for line, names in joints.items()
+        )
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What a reader must know to read the numbers right."""
+        lines = [self.cycle.why_not_periodic] if self.cycle.why_not_periodic else []
+        for demands in self.demands:
+            lines += [f"{demands.load.joint}: {assumption}" for assumption in demands.train.assumptions]
+        return (*lines, "at rest, static friction may carry load; it is taken as 0 and the gears as lossless")
+
+    def motor_load_profile(self, joint: str, *, step: float = 0.01) -> MotorLoadProfile:
+        """One motor's load as samples, for the design tools of motor makers.
+
+        Parameters
+        ----------
+        joint : str
+        step : float
+            Longest time between samples, s.
+        """
+        motor = self.demands[self.cycle.joint_names.index(checked_choice("joint", joint, self.cycle.joint_names))].motor
+        step = checked_number("step", step, unit="s", above=0.0)
+        breaks = motor.torque.breaks
+        counts = np.maximum(1, np.ceil(np.diff(breaks) / step - 1e-9)).astype(int)
+        parts = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(breaks[:-1], breaks[1:], counts, strict=True)]
+        time = np.concatenate([*parts, breaks[-1:]])
+        return MotorLoadProfile(
+            joint=joint, time=time, speed_rpm=motor.speed(time)[:, 0] * _RPM, torque=motor.torque(time)[:, 0]
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """A JSON-ready document; SI units unless a name says otherwise, "unbounded" for infinity, null for unknown."""
+        return sizing_document(self)
+
+    def __str__(self) -> str:
+        return sizing_text(self)
+
+
+def size(cycle: Cycle, *, drivetrains: Sequence[Drivetrain] | None = None) -> Sizing:
+    """Hold a duty cycle against the drive trains that are to do it.
+
+    The drive trains replace the robot's own: their rotors, friction and efficiency come in, the robot's are left out.
+
+    Parameters
+    ----------
+    cycle : Cycle
+    drivetrains : sequence of Drivetrain, optional
+        One per joint, in the robot's order; by default the robot's own, as far as its actuators and limits tell.
+
+    Returns
+    -------
+    Sizing
+        A violated limit is part of the answer, not an error; what is unknown is listed as not assessed.
+
+    Raises
+    ------
+    InputError
+        If there is not one drive train per joint.
+
+    Examples
+    --------
+    >>> import puma_septic as ps
+    >>> robot = ps.load_robot()
+    >>> there = ps.compute_motion(robot, ps.quintic_segments([[0.0] * 6, [0.5] * 6], [0.0, 2.0]))
+    >>> sizing = size(ps.cycle.with_return(there, dwell=1.0))
+    >>> sizing.is_feasible, sizing.governing.joint
+    (True, 'joint1')
+    """
+    if not isinstance(cycle, Cycle):
+        raise InputError(f"size takes a Cycle, got {type(cycle).__name__}; Cycle(steps=[motion]) makes one of a motion")
+    trains = own_drivetrains(cycle.robot) if drivetrains is None else tuple(drivetrains)
+    if len(trains) != len(cycle.joint_names):
+        raise InputError(
+            f"{len(trains)} drivetrains for {len(cycle.joint_names)} joints: expected one for each of"
+            f" {', '.join(cycle.joint_names)}"
+        )
+    loads = [joint_load(cycle, j) for j in range(len(trains))]
+    return Sizing(
+        cycle=cycle,
+        drivetrains=trains,
+        demands=tuple(
+            Demands(load=load, train=train, motor=motor_load(load, train))
+            for load, train in zip(loads, trains, strict=True)
+        ),
+    )

@@ -331,7 +331,7 @@ def test_not_a_task_file(text: str, message: str) -> None:
             "position: [0, 0, 0], quaternion: {w: 1, x: 1, y: 0, z: 0}",
             r"points\[1\].quaternion: its norm is 1.41421; a rotation's is 1",
         ),
-        ("  - {name: b, joints: [0.5, 0.5, 0, 0, 0, 0]}\n", "", "points: .*at least 2 items"),
+        ("  - {name: b, joints: [0.5, 0.5, 0, 0, 0, 0]}\n", "", "times: 2 times for 1 points"),
         ("times: [0, 1]", "times: [0, 0]", r"times: must increase strictly, but times\[0\] = 0 s is followed by 0 s"),
         ("times: [0, 1]", "times: [1, 2]", "times: must begin at 0 s, not at 1 s"),
         ("times: [0, 1]", "times: [0, 1, 2]", "times: 3 times for 2 points; one for each is needed"),

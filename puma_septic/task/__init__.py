@@ -1,12 +1,13 @@
 """Task files: what a user writes down, and what it becomes."""
 
-from puma_septic.task.branches import Branch
+from puma_septic.task.branches import Branch, Posed
 from puma_septic.task.reading import load_task, make_task, parse_task, task_names
-from puma_septic.task.resolving import ResolvedTask, assess_task, resolve_task
+from puma_septic.task.resolving import ResolvedTask, assess_task, resolve_task, solve_points
 from puma_septic.task.schema import Task
 
 __all__ = [
     "Branch",
+    "Posed",
     "ResolvedTask",
     "Task",
     "assess_task",
@@ -14,5 +15,6 @@ __all__ = [
     "make_task",
     "parse_task",
     "resolve_task",
+    "solve_points",
     "task_names",
 ]

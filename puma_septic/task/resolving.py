@@ -19,7 +19,7 @@ from puma_septic.task.branches import Branch, Posed, Waypoint, best_branch, bran
 from puma_septic.task.schema import Point, ProfileChoice, Task, profile_functions
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["ResolvedTask", "assess_task", "pose", "resolve_task", "world_frame"]
+__all__ = ["ResolvedTask", "assess_task", "resolve_task", "solve_points"]
 
 _WORLD = "world"
 
@@ -94,11 +94,9 @@ def resolve_task(task: Task) -> ResolvedTask:
     >>> resolved.branch.configuration, resolved.broken_in_all_branches
     ('right-down-flip', (('joint5', 'take'), ('joint5', 'place')))
     """
-    robot = _robot(task)
+    robot, waypoints = solve_points(task)
     names = tuple(point.name or f"points[{k}]" for k, point in enumerate(task.points))
-    with _named(task, "frame"):
-        frame = world_frame(robot, task.frame)
-    branches = branches_through(robot, [_waypoint(robot, frame, task, k) for k in range(len(task.points))])
+    branches = branches_through(robot, waypoints)
     with _named(task, "branch"):
         branch = best_branch(branches, task.branch)
     times = np.array(task.times if task.times is not None else [0.0, *np.cumsum(task.durations or ())])
@@ -117,6 +115,17 @@ def resolve_task(task: Task) -> ResolvedTask:
     )
 
 
+def solve_points(task: Task) -> tuple[Robot, tuple[Waypoint, ...]]:
+    """The task's robot, and each of its points: joint positions as given, a pose with all its solutions.
+
+    Raises what `resolve_task` raises, but for branch and profiles.
+    """
+    robot = _robot(task)
+    with _named(task, "frame"):
+        frame = _world_frame(robot, task.frame)
+    return robot, tuple(_waypoint(robot, frame, task, k) for k in range(len(task.points)))
+
+
 def assess_task(task: Task | ResolvedTask) -> tuple[Assessment, ...]:
     """Assess each profile of a task, in the task's order.
 
@@ -128,36 +137,6 @@ def assess_task(task: Task | ResolvedTask) -> tuple[Assessment, ...]:
     """
     resolved = task if isinstance(task, ResolvedTask) else resolve_task(task)
     return tuple(assess(resolved.robot, trajectory, dwell=resolved.task.dwell) for trajectory in resolved.trajectories)
-
-
-def world_frame(robot: Robot, name: str) -> Array:
-    """Where a frame is that does not move with the arm, shape (4, 4); "world" is the URDF's root link.
-
-    Raises
-    ------
-    InputError
-        For an unknown frame, or one that moves, with those that do not.
-    """
-    if name == _WORLD:
-        return np.eye(4)
-    frames = robot.model.frames
-    fixed = [_WORLD, *(frame.name for frame in frames if frame.parentJoint == 0 and frame.name != "universe")]
-    if name not in fixed and name in [frame.name for frame in frames]:
-        raise InputError(f"{name!r} moves with the arm; poses can be given in: {', '.join(map(repr, fixed))}")
-    checked_choice("frame", name, fixed)
-    return forward_kinematics(robot, np.zeros(robot.n_joints), frame=name)
-
-
-def pose(point: Point) -> Array:
-    """The point's pose in its frame, shape (4, 4)."""
-    transform = np.eye(4)
-    transform[:3, 3] = point.position or ()
-    if point.rpy_deg is not None:
-        transform[:3, :3] = _from_rpy(*np.deg2rad(point.rpy_deg))
-    if point.quaternion is not None:
-        turn = point.quaternion
-        transform[:3, :3] = _from_quaternion(np.array([turn.w, turn.x, turn.y, turn.z]))
-    return transform
 
 
 def _robot(task: Task) -> Robot:
@@ -187,6 +166,24 @@ def _robot(task: Task) -> Robot:
     return robot
 
 
+def _world_frame(robot: Robot, name: str) -> Array:
+    """Where a frame is that does not move with the arm, shape (4, 4); "world" is the URDF's root link.
+
+    Raises
+    ------
+    InputError
+        For an unknown frame, or one that moves, with those that do not.
+    """
+    if name == _WORLD:
+        return np.eye(4)
+    frames = robot.model.frames
+    fixed = [_WORLD, *(frame.name for frame in frames if frame.parentJoint == 0 and frame.name != "universe")]
+    if name not in fixed and name in [frame.name for frame in frames]:
+        raise InputError(f"{name!r} moves with the arm; poses can be given in: {', '.join(map(repr, fixed))}")
+    checked_choice("frame", name, fixed)
+    return forward_kinematics(robot, np.zeros(robot.n_joints), frame=name)
+
+
 def _waypoint(robot: Robot, frame: Array, task: Task, k: int) -> Waypoint:
     """Point k: its joint positions, or its pose with all solutions."""
     point = task.points[k]
@@ -194,7 +191,7 @@ def _waypoint(robot: Robot, frame: Array, task: Task, k: int) -> Waypoint:
     if point.joints is not None:
         with _named(task, label):
             return checked_array("joints", point.joints, (robot.n_joints,), unit="rad")
-    T_world_tool = frame @ pose(point)
+    T_world_tool = frame @ _pose(point)
     with _named(task, label):
         return Posed(T_world_tool=T_world_tool, solutions=inverse_kinematics(robot, T_world_tool))
 
@@ -223,6 +220,18 @@ def _named(task: Task, field: str) -> Iterator[None]:
         raise InputError(f"{where}{error}") from error
     except ModelError as error:
         raise ModelError(f"{where}{error}") from error
+
+
+def _pose(point: Point) -> Array:
+    """The point's pose in its frame, shape (4, 4)."""
+    transform = np.eye(4)
+    transform[:3, 3] = point.position or ()
+    if point.rpy_deg is not None:
+        transform[:3, :3] = _from_rpy(*np.deg2rad(point.rpy_deg))
+    if point.quaternion is not None:
+        turn = point.quaternion
+        transform[:3, :3] = _from_quaternion(np.array([turn.w, turn.x, turn.y, turn.z]))
+    return transform
 
 
 def _from_rpy(roll: float, pitch: float, yaw: float) -> Array:

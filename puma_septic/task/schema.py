@@ -251,7 +251,7 @@ class Task(Section):
     description: Annotated[str, Field(strict=True, max_length=2000)] = ""
     robot: RobotSection = Field(default_factory=RobotSection)
     frame: Text = "world"
-    points: Annotated[tuple[Point, ...], Field(min_length=2)]
+    points: Annotated[tuple[Point, ...], Field(min_length=1)]
     branch: Text = "auto"
     times: tuple[Number, ...] | None = None
     durations: tuple[Positive, ...] | None = None

@@ -1,0 +1,155 @@
+"""What the command line takes. Standard library alone, so that ``--help`` answers at once."""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+from argparse import ArgumentParser, ArgumentTypeError, Namespace, RawDescriptionHelpFormatter
+from collections.abc import Sequence
+from typing import NamedTuple, NoReturn
+
+from puma_septic import __version__
+
+__all__ = ["Answer", "parse"]
+
+
+_NEGATIVE = re.compile(r"-[0-9.]+[eE][-+]?[0-9]+")
+
+
+class Answer(NamedTuple):
+    """What a command has to say, and the exit code."""
+
+    text: str
+    exit_code: int
+
+
+class _Parser(ArgumentParser):
+    """An argument parser that complains in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        sys.stderr.write(f"{self.prog}: error: {message} ({self.prog} --help tells more)\n")
+        sys.exit(2)
+
+
+def parse(argv: Sequence[str] | None) -> Namespace:
+    """Arguments of one command, its name in ``command``."""
+    parser = _Parser(
+        prog="puma-septic",
+        description="Joint trajectories of robot arms, held against what the motors can do.",
+        epilog="Exit code: 0 all shown profiles are feasible, 1 one of them violates a limit, 2 bad input.",
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action="version", version=f"puma-septic {__version__}")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    _add_assess(_command(commands, "assess", "torque, jerk and limits of a task's profiles", _ASSESS))
+    _add_ik(_command(commands, "ik", "branches of the inverse kinematics", _IK))
+    _add_paper(_command(commands, "paper", "the paper's tables, figures and claims, reproduced and judged", _PAPER))
+    # argparse takes -1e-3 for an option (before Python 3.14); after a space it is a value, and the same number.
+    given = sys.argv[1:] if argv is None else argv
+    return parser.parse_args([f" {text}" if _NEGATIVE.fullmatch(text) else text for text in given])
+
+
+_ASSESS = """Assess the profiles of a task: what each joint does and needs, held against its limits.
+
+Without TASK: the paper's pick-and-place with septic, LSPB and three-segment quintic side by side, why no
+branch of the inverse kinematics keeps the limits, and then the same points with the tool turned, where
+everything fits."""
+
+_IK = """List the branches of the inverse kinematics for a pose, or for the poses of a task (the paper's by default).
+
+Exit code: 0 each pose has a branch within the joint limits, 1 one has none, 2 bad input or out of reach."""
+
+_PAPER = (
+    """Reproduce the paper's tables, figures and computing times, and judge each of its claims by measured numbers."""
+)
+
+
+def _command(commands: object, name: str, summary: str, description: str) -> ArgumentParser:
+    parser: ArgumentParser = commands.add_parser(  # type: ignore[attr-defined]
+        name,
+        help=summary,
+        description=description,
+        allow_abbrev=False,
+        formatter_class=RawDescriptionHelpFormatter,
+    )
+    return parser
+
+
+def _add_assess(parser: ArgumentParser) -> None:
+    _add_task(parser)
+    parser.add_argument(
+        "--profile",
+        action="append",
+        metavar="NAME",
+        help="only this profile, with the task's options if it has some (repeatable)",
+    )
+    parser.add_argument("--payload", type=_not_negative, metavar="KG", help="a point mass at the tool's origin")
+    parser.add_argument("--dwell", type=_not_negative, metavar="S", help="rest after the motion, in the RMS values")
+    parser.add_argument(
+        "--margin",
+        type=_share,
+        default=0.0,
+        metavar="SHARE",
+        help="share of each velocity, acceleration, jerk and effort limit that must be left for exit code 0, 0 to 1",
+    )
+    parser.add_argument("--format", choices=("text", "json", "csv"), default="text", help="of what is printed")
+    parser.add_argument(
+        "--out", metavar="DIR", help="write JSON, CSV and figures into a new folder; nothing is overwritten"
+    )
+
+
+def _add_ik(parser: ArgumentParser) -> None:
+    _add_task(parser)
+    parser.add_argument(
+        "--position", nargs=3, type=_finite, metavar=("X", "Y", "Z"), help="one pose of the tool instead, m"
+    )
+    parser.add_argument(
+        "--rpy-deg",
+        nargs=3,
+        type=_finite,
+        metavar=("R", "P", "Y"),
+        help="its turns about the fixed axes x, y, z, in this order, degrees (0 0 0 by default)",
+    )
+    parser.add_argument("--frame", help="frame that it is given in, fixed to the world ('world' by default)")
+    parser.add_argument("--format", choices=("text", "json"), default="text", help="of what is printed")
+
+
+def _add_paper(parser: ArgumentParser) -> None:
+    parser.add_argument("--format", choices=("text", "json"), default="text", help="of what is printed")
+    parser.add_argument("--out", metavar="DIR", help="write JSON and figures into a new folder; nothing is overwritten")
+
+
+def _add_task(parser: ArgumentParser) -> None:
+    """The task and what replaces parts of it, the same for every command that takes one."""
+    parser.add_argument("task", nargs="?", metavar="TASK", help="a task file (.yaml), or 'paper' or 'paper-turned'")
+    parser.add_argument("--robot", metavar="NAME", help="another robot: 'puma560' or a .urdf file")
+    parser.add_argument("--actuators", metavar="FILE", help="its actuator file")
+    parser.add_argument("--parameters", metavar="NAME", help="set of drive parameters, such as rtb or akb")
+    parser.add_argument("--limits", metavar="NAME", help="set of limits, such as corke, akb or benchmark")
+    parser.add_argument("--tool", metavar="FRAME", help="frame that is positioned and that carries the payload")
+    parser.add_argument("--branch", metavar="NAME", help="branch of the inverse kinematics, or 'auto'")
+
+
+def _finite(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ArgumentTypeError(f"{text!r} is not a finite number")
+    return value
+
+
+def _not_negative(text: str) -> float:
+    value = _finite(text)
+    if not value >= 0:
+        raise ArgumentTypeError(f"{text} is negative")
+    return value
+
+
+def _share(text: str) -> float:
+    value = _finite(text)
+    if not 0 <= value <= 1:
+        raise ArgumentTypeError(f"{text} is not between 0 and 1")
+    return value

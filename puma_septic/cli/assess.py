@@ -1,0 +1,73 @@
+"""``puma-septic assess``."""
+
+from __future__ import annotations
+
+import re
+from argparse import Namespace
+from collections.abc import Sequence
+from importlib import import_module
+from pathlib import Path
+
+from puma_septic.assessment import Assessment
+from puma_septic.cli.arguments import Answer
+from puma_septic.cli.tasks import asked_task
+from puma_septic.cli.texts import assessed_text, turned_text
+from puma_septic.report import assess_document, metrics_csv, new_folder, profile_labels, samples_csv, to_json
+from puma_septic.task import ResolvedTask, assess_task, resolve_task
+from puma_septic.testing import assert_feasible
+
+__all__ = ["run"]
+
+PAPER, TURNED = "paper", "paper-turned"
+Assessed = tuple[ResolvedTask, tuple[Assessment, ...]]
+
+
+def run(arguments: Namespace) -> Answer:
+    """Assess the asked task; without one, the paper's and then the one with the tool turned."""
+    asked = [_assessed(arguments, PAPER)]
+    shown = asked if arguments.task is not None else [*asked, _assessed(arguments, TURNED)]
+    if arguments.format == "json":
+        text = to_json(assess_document(shown))
+    elif arguments.format == "csv":
+        text = metrics_csv(shown)
+    else:
+        parts = [assessed_text(*asked[0], arguments.margin), *(turned_text(*one) for one in shown[1:])]
+        text = "\n\n".join(parts)
+    if arguments.out is not None:
+        _write_folder(arguments.out, shown)
+    is_feasible = all(_is_kept(one, arguments.margin) for one in asked[0][1])
+    return Answer(text, 0 if is_feasible else 1)
+
+
+def _assessed(arguments: Namespace, default: str) -> Assessed:
+    resolved = resolve_task(asked_task(arguments, default))
+    return resolved, assess_task(resolved)
+
+
+def _is_kept(assessment: Assessment, margin: float) -> bool:
+    try:
+        assert_feasible(assessment, margin)
+    except AssertionError:
+        return False
+    return assessment.is_feasible
+
+
+def _write_folder(path: str, shown: Sequence[Assessed]) -> None:
+    """One document and one table of all, and for each task samples and figures in a folder of its own."""
+    with new_folder(path) as folder:
+        # matplotlib takes longer to load than everything else takes to compute.
+        figures = import_module("puma_septic.report.figures")
+        (folder / "assessment.json").write_text(to_json(assess_document(shown)), encoding="utf-8")
+        (folder / "metrics.csv").write_text(metrics_csv(shown), encoding="utf-8")
+        for resolved, assessments in shown:
+            inner = folder / _file_name(resolved.task.name)
+            inner.mkdir()
+            for label, assessment in zip(profile_labels(assessments), assessments, strict=True):
+                (inner / f"samples-{label}.csv").write_text(samples_csv(assessment), encoding="utf-8")
+            for name, figure in figures.assessment_figures(assessments):
+                figures.save_figure(figure, inner / name)
+
+
+def _file_name(name: str) -> str:
+    """A task's name without what would leave the folder or upset a file system."""
+    return Path(re.sub(r"[^A-Za-z0-9_-]+", "-", name).strip("-")[:60] or "task").name

@@ -1,0 +1,122 @@
+"""``puma-septic ik``."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from typing import Any, Final
+
+from puma_septic import __version__
+from puma_septic.cli.arguments import Answer
+from puma_septic.cli.tasks import asked_robot, asked_task
+from puma_septic.cli.texts import wrapped
+from puma_septic.errors import InputError
+from puma_septic.kinematics import IkSolutions, rtb_names
+from puma_septic.kinematics.puma import CONFIGURATIONS
+from puma_septic.report import to_json
+from puma_septic.robot import Robot
+from puma_septic.tables import Cell, text_table
+from puma_septic.task import Posed, Task, make_task, solve_points
+
+__all__ = ["run"]
+
+SCHEMA: Final = "puma-septic/ik/1"
+
+
+def run(arguments: Namespace) -> Answer:
+    """List the branches for one pose, or for each pose of a task."""
+    task = _asked(arguments)
+    robot, waypoints = solve_points(task)
+    labels = [point.name or f"points[{k}]" for k, point in enumerate(task.points)]
+    posed = [(label, point) for label, point in zip(labels, waypoints, strict=True) if isinstance(point, Posed)]
+    if not posed:
+        raise InputError(f"{task.origin}: no point is a pose; there is nothing to solve")
+    text = to_json(_document(task, robot, posed)) if arguments.format == "json" else _text(task, robot, posed)
+    reachable = all(point.solutions.within_limits.any() for _, point in posed)
+    return Answer(text, 0 if reachable else 1)
+
+
+def _asked(arguments: Namespace) -> Task:
+    """The task, or one made of the single pose on the command line."""
+    if arguments.position is None:
+        for name in ("rpy_deg", "frame"):
+            if getattr(arguments, name) is not None:
+                raise InputError(f"--{name.replace('_', '-')} goes with --position")
+        return asked_task(arguments, "paper")
+    if arguments.task is not None:
+        raise InputError("give either TASK or --position, not both")
+    return make_task(
+        {
+            "name": "pose",
+            "robot": asked_robot(arguments, {}),
+            "frame": arguments.frame or "world",
+            "points": [{"name": "pose", "position": arguments.position, "rpy_deg": arguments.rpy_deg or [0.0] * 3}],
+            "durations": [],
+            "profiles": ["quintic_segments"],
+        },
+        origin="command line",
+    )
+
+
+def _text(task: Task, robot: Robot, posed: list[tuple[str, Posed]]) -> str:
+    head = f"Robot: {robot.name}, tool {robot.tool!r}, poses in {task.frame!r}; joint positions in rad (sliding: m)"
+    return "\n\n".join([wrapped(head), *(f"{label}\n{_table(robot, point.solutions)}" for label, point in posed)])
+
+
+def _table(robot: Robot, solutions: IkSolutions) -> str:
+    rows: list[list[Cell]] = [
+        [name, *(f"{angle:.4f}" for angle in solutions.q[k]), _beyond(robot, solutions, k)]
+        for k, name in enumerate(solutions.configurations)
+    ]
+    singular = [
+        f"{name} stands at the singularity of: {', '.join(kinds)}"
+        for name, kinds in zip(solutions.configurations, solutions.singular, strict=True)
+        if kinds
+    ]
+    return "\n".join([text_table(["branch", *robot.joint_names, "beyond limits"], rows), *singular])
+
+
+def _beyond(robot: Robot, solutions: IkSolutions, k: int) -> str:
+    """Joints of branch k that are beyond their limits."""
+    if solutions.within_limits[k]:
+        return "none"
+    low, high = robot.limits.position.T
+    outside = (solutions.q[k] < low) | (solutions.q[k] > high)
+    return " ".join(name for name, out in zip(robot.joint_names, outside, strict=True) if out)
+
+
+def _rtb(configuration: str) -> dict[str, str]:
+    """Names in Corke's Robotics Toolbox, where it has some."""
+    if configuration not in CONFIGURATIONS:
+        return {}
+    python, matlab = rtb_names(configuration)
+    return {"rtb_python": python, "rtb_matlab": matlab}
+
+
+def _document(task: Task, robot: Robot, posed: list[tuple[str, Posed]]) -> dict[str, Any]:
+    return {
+        "schema": SCHEMA,
+        "version": __version__,
+        "robot": robot.name,
+        "tool_frame": robot.tool,
+        "frame": task.frame,
+        "joint_names": list(robot.joint_names),
+        "poses": [
+            {
+                "name": label,
+                "T_world_tool": point.T_world_tool.tolist(),
+                "branches": [
+                    {
+                        "configuration": name,
+                        **_rtb(name),
+                        "q": solutions.q[k].tolist(),
+                        "within_limits": bool(solutions.within_limits[k]),
+                        "singular": list(solutions.singular[k]),
+                        "residual": float(solutions.residual[k]),
+                    }
+                    for k, name in enumerate(solutions.configurations)
+                ],
+            }
+            for label, point in posed
+            for solutions in [point.solutions]
+        ],
+    }

@@ -1,0 +1,166 @@
+"""What a person reads: assessed tasks within 100 columns."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from textwrap import wrap
+from typing import Final
+
+import numpy as np
+
+from puma_septic.assessment import Assessment, LimitCheck
+from puma_septic.report import profile_labels
+from puma_septic.tables import Cell, text_table
+from puma_septic.task import Branch, ResolvedTask
+from puma_septic.testing import assert_feasible
+
+__all__ = ["assessed_text", "broken_text", "turned_text", "wrapped"]
+
+WIDTH: Final = 100
+_COLUMNS: Final = re.compile(r"\S  +\S")
+
+
+def wrapped(text: str) -> str:
+    """Prose broken at its words, the rest of a line indented; a table's rows stay as they are."""
+    lines: list[str] = []
+    for line in text.split("\n"):
+        words = line.strip()
+        if len(line) <= WIDTH or _COLUMNS.search(words):
+            lines.append(line)
+        else:
+            start = line[: len(line) - len(line.lstrip())]
+            lines += wrap(words, WIDTH, initial_indent=start, subsequent_indent=f"{start}  ")
+    return "\n".join(lines)
+
+
+def assessed_text(resolved: ResolvedTask, assessments: Sequence[Assessment], margin: float = 0.0) -> str:
+    """The task, its profiles side by side, why its points break limits if they do, and each assessment."""
+    parts = [_head(resolved), comparison(assessments)]
+    if resolved.has_poses and not resolved.branch.is_within_limits:
+        parts.append(broken_text(resolved))
+    if margin:
+        parts.append(_margin_text(assessments, margin))
+    for label, assessment in zip(profile_labels(assessments), assessments, strict=True):
+        parts += [_rule(label), wrapped(str(assessment))]
+    return "\n\n".join(parts)
+
+
+def turned_text(resolved: ResolvedTask, assessments: Sequence[Assessment]) -> str:
+    """A second task, shorter."""
+    name = resolved.task.name
+    more = f"All about it: puma-septic assess {name}"
+    return "\n\n".join([_rule(f"Compare: {name}"), _head(resolved), comparison(assessments), more])
+
+
+def comparison(assessments: Sequence[Assessment]) -> str:
+    """The profiles side by side, one row each."""
+    headers = ["profile", "verdict", "limit used most", "velocity", "torque", "jerk", "overshoot"]
+    rows: list[list[Cell]] = [
+        [
+            label,
+            "feasible" if one.is_feasible else "infeasible",
+            "none known" if one.worst is None else f"{one.worst.joint} {one.worst.quantity} {_percent(one.worst)}",
+            _use(one, "velocity"),
+            _use(one, "effort"),
+            float(one.peak_jerk.max()),
+            float(one.overshoot.max()),
+        ]
+        for label, one in zip(profile_labels(assessments), assessments, strict=True)
+    ]
+    note = (
+        "The largest among the joints: velocity and torque in per cent of their limits, jerk in rad/s^3, and"
+        " overshoot beyond the points in rad."
+    )
+    return text_table(headers, rows) + "\n" + wrapped(note)
+
+
+def broken_text(resolved: ResolvedTask) -> str:
+    """Why the points break position limits: what each branch of the inverse kinematics breaks."""
+    branches, always = resolved.branches, resolved.broken_in_all_branches
+    fitting = [branch.configuration for branch in branches if branch.is_within_limits]
+    if fitting:
+        reason = f"Branches that keep the position limits at all points: {', '.join(fitting)}."
+    elif always:
+        pairs = " and ".join(f"{joint} at {_points(resolved, joint)}" for joint in dict.fromkeys(j for j, _ in always))
+        reason = (
+            f"Why: all {len(branches)} branches of the inverse kinematics break the position limit of {pairs},"
+            " so no profile through these poses can be feasible."
+        )
+    else:
+        reason = f"Why: each of the {len(branches)} branches of the inverse kinematics breaks a position limit."
+    width = 4 + max(len(branch.configuration) for branch in branches)
+    lines = [wrapped(f"{reason} How far beyond its limits each joint is at most, in rad:")]
+    for branch in branches:
+        start = f"  {branch.configuration}".ljust(width)
+        lines += wrap(_excess(resolved, branch), WIDTH, initial_indent=start, subsequent_indent=" " * width)
+    return "\n".join(lines)
+
+
+def _points(resolved: ResolvedTask, joint: str) -> str:
+    return " and ".join(repr(point) for name, point in resolved.broken_in_all_branches if name == joint)
+
+
+def _excess(resolved: ResolvedTask, branch: Branch) -> str:
+    """Each joint beyond its limits, by how much at most, and at which points."""
+    texts = []
+    for joint, excess in zip(resolved.robot.joint_names, branch.excess.T, strict=True):
+        if excess.any():
+            at = [name for name, size in zip(resolved.names, excess, strict=True) if size]
+            places = "all points" if len(at) == len(excess) else ", ".join(at)
+            texts.append(f"{joint} {excess.max():.2g} ({places})")
+    return "; ".join(texts) or "none"
+
+
+def _head(resolved: ResolvedTask) -> str:
+    task, robot = resolved.task, resolved.robot
+    section = task.robot
+    sets = [
+        f"{key} {value!r}" for key, value in (("parameters", section.parameters), ("limits", section.limits)) if value
+    ]
+    load = f", payload {robot.payload.mass:g} kg" if robot.payload is not None else ""
+    stops = ", ".join(f"{name} {time:g} s" for name, time in zip(resolved.names, resolved.times, strict=True))
+    lines = [
+        f"Task {task.name!r}" + (f": {' '.join(task.description.split())}" if task.description else ""),
+        f"Robot: {robot.name}" + (f" ({', '.join(sets)})" if sets else "") + f", tool {robot.tool!r}{load}",
+        f"Points: {stops}" + (f", poses in {task.frame!r}" if resolved.has_poses else ""),
+    ]
+    if resolved.has_poses:
+        lines.append(f"Branch: {resolved.branch.configuration}{_choice(resolved)}")
+    return "\n".join(wrapped(line) for line in lines)
+
+
+def _choice(resolved: ResolvedTask) -> str:
+    """How the branch came about, where the task left it open."""
+    if resolved.task.branch != "auto":
+        return ""
+    if resolved.branch.is_within_limits:
+        return ", chosen for the least travel of the joints among those within limits"
+    return ", chosen because it is the least beyond its limits: none is within them"
+
+
+def _margin_text(assessments: Sequence[Assessment], margin: float) -> str:
+    """What is not kept with the margin that was asked for."""
+    parts = []
+    for label, assessment in zip(profile_labels(assessments), assessments, strict=True):
+        try:
+            assert_feasible(assessment, margin)
+        except AssertionError as error:
+            parts.append(f"{label}: {error}")
+        else:
+            parts.append(f"{label}: every known limit is kept with {100 * margin:g} % to spare")
+    return wrapped("\n\n".join(parts))
+
+
+def _use(assessment: Assessment, quantity: str) -> str:
+    checks: Iterable[LimitCheck] = [check for check in assessment.checks if check.quantity == quantity]
+    worst = max(checks, key=lambda check: check.utilisation, default=None)
+    return "not known" if worst is None else _percent(worst)
+
+
+def _percent(check: LimitCheck) -> str:
+    return "unbounded" if np.isinf(check.utilisation) else f"{100 * check.utilisation:.0f} %"
+
+
+def _rule(title: str) -> str:
+    return f"---- {title} ".ljust(WIDTH, "-")

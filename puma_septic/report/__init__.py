@@ -1,0 +1,15 @@
+"""What is handed out: documents, CSV tables, figures, and folders of them."""
+
+from puma_septic.report.documents import SCHEMA, assess_document, profile_labels, to_json
+from puma_septic.report.folder import new_folder
+from puma_septic.report.sheets import metrics_csv, samples_csv
+
+__all__ = [
+    "SCHEMA",
+    "assess_document",
+    "metrics_csv",
+    "new_folder",
+    "profile_labels",
+    "samples_csv",
+    "to_json",
+]

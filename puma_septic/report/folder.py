@@ -1,0 +1,62 @@
+"""A folder of results that is there as a whole or not at all."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from secrets import token_hex
+
+from puma_septic.errors import InputError
+
+__all__ = ["new_folder"]
+
+
+@contextmanager
+def new_folder(path: str | Path) -> Iterator[Path]:
+    """A folder to write into, which takes its name when all is written.
+
+    What is yielded is a hidden folder beside the wanted one; it is renamed at the end, and removed if anything goes
+    wrong inside, so that nobody finds half of a result.
+
+    Parameters
+    ----------
+    path : str or Path
+        A folder that does not exist, or is empty; its parent must exist.
+
+    Raises
+    ------
+    InputError
+        If the folder has content, which is never overwritten, or cannot be written.
+    """
+    target = _checked(Path(path))
+    partial = target.parent / f".{target.name}.{token_hex(4)}.part"
+    try:
+        partial.mkdir()
+        yield partial
+        partial.replace(target)  # of an empty folder as well; one that has been filled meanwhile is refused
+    except OSError as error:
+        raise InputError(f"cannot write the folder {path}: {error.strerror or error}") from error
+    finally:
+        shutil.rmtree(partial, ignore_errors=True)
+
+
+def _checked(path: Path) -> Path:
+    try:
+        target = path.resolve()
+        if target.is_dir() and any(target.iterdir()):
+            raise InputError(f"the folder {path} is not empty; nothing in it is overwritten, name another one")
+        if target.exists() and not target.is_dir():
+            raise InputError(f"{path} is a file; name a folder that does not exist yet")
+        if not target.parent.is_dir():
+            raise InputError(f"cannot write the folder {path}: {target.parent} is not a folder")
+    except (
+        OSError,
+        RuntimeError,
+        ValueError,
+    ) as error:  # RuntimeError: links in a circle; ValueError: a null character
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"cannot write the folder {str(path)!r}: {error}") from error
+    return target

@@ -1,0 +1,88 @@
+"""Assessments as CSV: exact metrics per joint, and samples over time, which are for drawing only."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from puma_septic.assessment import Assessment
+from puma_septic.checks import Array
+from puma_septic.piecewise import Piecewise
+from puma_septic.report.documents import profile_labels
+from puma_septic.task import ResolvedTask
+
+__all__ = ["metrics_csv", "samples_csv"]
+
+# A fine line on a wide screen; the instants of steps are added.
+_SAMPLES: Final = 1001
+_SIGNALS: Final = ("position", "velocity", "acceleration", "jerk", "torque")
+_UNITS: Final = {
+    False: ("rad", "rad/s", "rad/s^2", "rad/s^3", "N m"),
+    True: ("m", "m/s", "m/s^2", "m/s^3", "N"),
+}
+
+
+def metrics_csv(tasks: Sequence[tuple[ResolvedTask, Sequence[Assessment]]]) -> str:
+    """One row for each task, profile and joint: the metrics of the JSON document, in SI units.
+
+    "unbounded" stands for infinity; what is not known is left empty.
+    """
+    rows: list[list[Any]] = []
+    headers: list[str] = []
+    for resolved, assessments in tasks:
+        for label, assessment in zip(profile_labels(assessments), assessments, strict=True):
+            for joint in assessment.to_dict()["joints"]:
+                margins = {f"margin {quantity}": value for quantity, value in joint.pop("margins").items()}
+                row = {"task": resolved.task.name, "profile": label, "joint": joint.pop("name"), **joint, **margins}
+                headers = list(row)
+                rows.append([_guarded(value) for value in row.values()])
+    return _text([headers, *rows])
+
+
+def samples_csv(assessment: Assessment) -> str:
+    """Position, velocity, acceleration, jerk and torque of every joint, sampled over the motion.
+
+    At a break of any of them there are two rows, whose side is "left" and "right": where a signal steps they differ.
+    """
+    robot, trajectory = assessment.motion.robot, assessment.motion.trajectory
+    signals = [*(trajectory.derivative(order) for order in range(4)), assessment.motion.torque]
+    breaks = np.unique(np.concatenate([signal.breaks for signal in signals]))
+    series = Piecewise.concatenate([signal.split(breaks) for signal in signals])
+    headers = [
+        f"{signal} {name} [{_UNITS[bool(slides)][k]}]"
+        for k, signal in enumerate(_SIGNALS)
+        for name, slides in zip(robot.joint_names, robot.is_prismatic, strict=True)
+    ]
+    times, sides, values = _sampled(series)
+    rows = ([repr(float(t)), side, *map(repr, row.tolist())] for t, side, row in zip(times, sides, values, strict=True))
+    return _text([["t [s]", "side", *headers], *rows])
+
+
+def _sampled(series: Piecewise) -> tuple[Array, list[str], Array]:
+    """Evenly spaced instants, and each break with the values of both its sides."""
+    left, right = series.ends()
+    grid = np.linspace(series.breaks[0], series.breaks[-1], _SAMPLES)
+    times, sides, values = [], [], []
+    for i, (start, end) in enumerate(zip(series.breaks[:-1], series.breaks[1:], strict=True)):
+        inside = grid[(grid > start) & (grid < end)]
+        times.append(np.concatenate([[start], inside, [end]]))
+        sides += ["right", *[""] * len(inside), "left"]
+        values.append(np.vstack([left[i], series(inside), right[i]]))
+    return np.concatenate(times), sides, np.concatenate(values)
+
+
+def _guarded(value: Any) -> Any:
+    """Text that a spreadsheet would take for a formula is marked as text; what is not known is left empty."""
+    if isinstance(value, str) and value[:1] in ("=", "+", "-", "@") and value != "-unbounded":
+        return f"'{value}"
+    return "" if value is None else value
+
+
+def _text(rows: Iterable[Iterable[Any]]) -> str:
+    stream = io.StringIO()
+    csv.writer(stream, lineterminator="\n").writerows(rows)
+    return stream.getvalue()

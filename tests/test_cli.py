@@ -1,0 +1,360 @@
+"""The command line: what it prints, what it writes, how it ends."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import puma_septic as ps
+from puma_septic.cli import assess as assess_command
+from puma_septic.cli import main
+from puma_septic.cli.texts import broken_text
+from puma_septic.report import figures
+from puma_septic.task import load_task, make_task, resolve_task
+
+COMMAND = [sys.executable, "-m", "puma_septic.cli"]
+
+JOINTS = """
+name: {name}
+points:
+  - {{name: a, joints: [0, 0.5, -2.5, 0, 0.7, 0]}}
+  - {{name: b, joints: [0.3, 0.8, -2.5, 0, 0.7, 0]}}
+times: [0, 1.5]
+profiles: [quintic_segments]
+"""
+
+FAR = "position: [9, 0, 0], rpy_deg: [0, 0, 0]"
+
+
+@pytest.fixture
+def joints(tmp_path: Path) -> str:
+    """A small feasible task of one profile."""
+    path = tmp_path / "task.yaml"
+    path.write_text(JOINTS.format(name="small"))
+    return str(path)
+
+
+# ---- assess
+
+
+def test_assess_shows_the_papers_task_and_why_it_is_infeasible(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["assess"]) == 1
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert "all 8 branches of the inverse kinematics break the position limit of joint5 at 'take'" in out
+    words = " ".join(out.split())
+    for profile in ("septic", "lspb", "quintic_segments"):
+        assert f"{profile} infeasible joint5 position 114 %" in words
+        assert f"puma560, {profile}, 9 s: infeasible" in words
+    turned = words.partition("Compare: paper-turned")[2]
+    for profile in ("septic", "lspb", "quintic_segments"):
+        assert f"{profile} feasible" in turned
+
+
+def test_the_reason_is_computed() -> None:
+    """With joint 5 free to turn further, other joints are what the branches break."""
+    wide = ps.load_robot().limits.position.copy()
+    wide[4] = -3, 3
+    document = {**load_task("paper").document(), "limits": {"position": wide.tolist()}}
+    text = " ".join(broken_text(resolve_task(make_task(document))).split())
+    assert "joint5" not in text
+    assert "Branches that keep the position limits at all points: right-up-noflip, left-up-flip." in text
+
+
+def test_prose_keeps_to_100_columns(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["assess"])
+    main(["ik"])
+    lines = capsys.readouterr().out.splitlines()
+    prose = [line for line in lines if "  " not in line.strip()]
+    assert max(map(len, prose)) <= 100
+
+
+def test_assess_of_a_feasible_task_is_0(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["assess", "paper-turned", "--profile", "septic"]) == 0
+    out = capsys.readouterr().out
+    assert "feasible" in out
+    assert "lspb" not in out
+
+
+def test_margin_decides_the_exit_code(joints: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["assess", joints, "--margin", "0.1"]) == 0
+    assert "quintic_segments: every known limit is kept with 10 % to spare" in capsys.readouterr().out
+    assert main(["assess", joints, "--margin", "0.9"]) == 1
+    assert "with 90 % to spare" in capsys.readouterr().out
+
+
+def test_options_replace_parts_of_the_task(joints: str, capsys: pytest.CaptureFixture[str]) -> None:
+    options = ["--payload", "2.5", "--dwell", "3", "--limits", "akb", "--parameters", "akb", "--tool", "wrist_center"]
+    main(["assess", joints, "--format", "json", *options])
+    task = json.loads(capsys.readouterr().out)["tasks"][0]
+    assert task["task"]["payload"] == {"mass": 2.5}
+    assert task["task"]["robot"] == {"limits": "akb", "parameters": "akb", "tool": "wrist_center"}
+    assert task["assessments"][0]["dwell"] == 3.0
+
+
+def test_the_robot_option_takes_a_path_from_here(
+    joints: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["assess", joints, "--robot", "missing.urdf"]) == 2
+    assert str(tmp_path / "missing.urdf") in capsys.readouterr().err
+
+
+def test_json_is_one_document(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["assess", "--format", "json"])
+    document = json.loads(capsys.readouterr().out)
+    assert [task["task"]["name"] for task in document["tasks"]] == ["paper", "paper-turned"]
+    assert document["is_feasible"] is False
+
+
+def test_csv_is_one_table(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["assess", "--format", "csv"])
+    rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
+    assert len(rows) == 2 * 3 * 6
+
+
+def test_a_name_that_looks_like_markup_is_text(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(figures, "assessment_figures", lambda _: iter(()))  # they take seconds
+    name = "<script>alert(1)</script>"
+    path = tmp_path / "task.yaml"
+    path.write_text(JOINTS.format(name=name))
+    assert main(["assess", str(path), "--out", str(tmp_path / "out")]) == 0
+    assert f"Task '{name}'" in capsys.readouterr().out
+    assert json.loads((tmp_path / "out" / "assessment.json").read_text())["tasks"][0]["task"]["name"] == name
+    assert (tmp_path / "out" / "script-alert-1-script").is_dir()
+
+
+def test_auto_says_when_no_branch_is_within_limits(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["assess", "paper", "--branch", "auto", "--profile", "septic"])
+    assert "least beyond its limits: none is within them" in " ".join(capsys.readouterr().out.split())
+
+
+# ---- --out
+
+
+def test_out_has_json_samples_and_figures(joints: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    main(["assess", joints, "--format", "json", "--out", str(tmp_path / "out")])
+    assert (tmp_path / "out" / "assessment.json").read_text() == capsys.readouterr().out
+    names = {path.name for path in (tmp_path / "out" / "small").iterdir()}
+    drawn = ("joints", "torque", "torque-split-quintic_segments", "utilisation", "workspace")
+    assert names == {"samples-quintic_segments.csv", *(f"{f}.{kind}" for f in drawn for kind in ("png", "svg"))}
+    assert (tmp_path / "out" / "small" / "joints.png").read_bytes().startswith(b"\x89PNG")
+    assert "<svg" in (tmp_path / "out" / "small" / "joints.svg").read_text()
+
+
+def test_out_leaves_nothing_behind_when_a_figure_fails(
+    joints: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> str:
+        raise RuntimeError("no samples today")
+
+    monkeypatch.setattr(assess_command, "samples_csv", fail)
+    with pytest.raises(RuntimeError, match="no samples today"):
+        main(["assess", joints, "--out", str(tmp_path / "out")])
+    assert [path.name for path in tmp_path.iterdir()] == ["task.yaml"]
+
+
+def test_out_overwrites_nothing(joints: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["assess", joints, "--out", str(tmp_path)]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "is not empty; nothing in it is overwritten" in err
+    assert [path.name for path in tmp_path.iterdir()] == ["task.yaml"]
+
+
+# ---- ik
+
+
+def test_ik_lists_all_branches_of_a_pose(capsys: pytest.CaptureFixture[str]) -> None:
+    robot = ps.load_robot()
+    q = np.array([0.3, 0.8, -2.9, 0.0, 0.7, 0.0])
+    T = ps.forward_kinematics(robot, q)
+    pitch, yaw = np.arctan2(-T[2, 0], np.hypot(T[0, 0], T[1, 0])), np.arctan2(T[1, 0], T[0, 0])
+    roll = np.arctan2(T[2, 1], T[2, 2])
+    position, turns = T[:3, 3], np.rad2deg([roll, pitch, yaw])
+    numbers = ["--position", *map(repr, position.tolist()), "--rpy-deg", *map(repr, turns.tolist())]
+    assert main(["ik", *numbers, "--format", "json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["schema"] == "puma-septic/ik/1"
+    branches = document["poses"][0]["branches"]
+    assert len(branches) == 8
+    # The pose goes through degrees; the arm is not near a singularity.
+    np.testing.assert_allclose(branches[0]["q"], q, atol=1e-9)
+    assert (branches[0]["configuration"], branches[0]["rtb_python"], branches[0]["rtb_matlab"]) == (
+        "right-up-noflip",
+        "ruf",
+        "run",
+    )
+
+
+def test_ik_of_the_papers_poses_finds_no_branch_within_limits(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["ik"]) == 1
+    out = capsys.readouterr().out
+    assert [line for line in out.splitlines() if line in ("take", "lift", "unload", "place")] == [
+        "take",
+        "lift",
+        "unload",
+        "place",
+    ]
+    assert "joint2 joint4 joint5" in out
+
+
+def test_a_negative_power_of_ten_is_a_number(capsys: pytest.CaptureFixture[str]) -> None:
+    """argparse took -1e-15, as a computed angle often is, for an option, and asked for three numbers."""
+    assert main(["ik", "--position", "0.5", "-1e-1", "0.7", "--rpy-deg", "-1e-15", "90", "0", "--format", "json"]) == 0
+    pose = json.loads(capsys.readouterr().out)["poses"][0]["T_world_tool"]
+    assert pose[1][3] == -0.1
+
+
+def test_ik_names_the_singularity(capsys: pytest.CaptureFixture[str]) -> None:
+    """With q5 = 0 two wrist branches meet."""
+    T = ps.forward_kinematics(ps.load_robot(), [0.0, 0.8, -2.5, 0.0, 0.0, 0.0])
+    pitch = np.rad2deg(np.arctan2(-T[2, 0], T[0, 0]))
+    main(["ik", "--position", *map(repr, T[:3, 3].tolist()), "--rpy-deg", "0", repr(float(pitch)), "0"])
+    assert "right-up-noflip stands at the singularity of: wrist" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["ik", "--position", "5", "0", "0"], "points[0] 'pose': .*out of reach"),
+        (["ik", "--rpy-deg", "0", "0", "0"], "--rpy-deg goes with --position"),
+        (["ik", "paper", "--position", "0.5", "0", "0"], "give either TASK or --position, not both"),
+        (["ik", "--position", "0.5", "0", "0", "--frame", "table"], "unknown frame 'table'; valid: 'world'"),
+        (["ik", "--position", "nan", "0", "0"], "'nan' is not a finite number"),
+    ],
+)
+def test_ik_refuses(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert_bad_input(arguments, message.replace("[", r"\[").replace("]", r"\]"), capsys)
+
+
+def test_ik_needs_a_pose(joints: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert_bad_input(["ik", joints], "no point is a pose", capsys)
+
+
+# ---- paper
+
+
+def test_paper_prints_its_report(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["paper", "--format", "json"]) == 0
+    assert json.loads(capsys.readouterr().out)["schema"] == "puma-septic/paper/1"
+
+
+# ---- bad input and endings
+
+
+def assert_bad_input(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Exit code 2, nothing on stdout, one line on stderr."""
+    assert main(arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    with pytest.raises(ValueError, match=message):
+        raise ValueError(err)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "required: COMMAND"),
+        (["asses"], "invalid choice: 'asses' .*assess"),
+        (["assess", "--profil", "septic"], "unrecognized arguments"),
+        (["assess", "papre"], "unknown task 'papre'; valid: 'paper', 'paper-turned', or the path of a .yaml file"),
+        (["assess", "none.yaml"], "none.yaml: this task file does not exist"),
+        (["assess", "--profile", "spline"], r"profiles\[0\]: unknown profile 'spline'; valid: "),
+        (["assess", "--robot", "kuka"], "unknown robot 'kuka'; valid: 'puma560'"),
+        (["assess", "--limits", "kuka"], "unknown limits .*'kuka'; valid: 'corke'"),
+        (["assess", "--branch", "left"], "branch: unknown branch 'left'; valid: 'right-up-noflip'"),
+        (["assess", "--tool", "hand"], "unknown tool frame 'hand'; valid: "),
+        (["assess", "--payload", "-1"], "--payload: -1 is negative"),
+        (["assess", "--dwell", "inf"], "--dwell: 'inf' is not a finite number"),
+        (["assess", "--margin", "20"], "--margin: 20 is not between 0 and 1"),
+        (["assess", "--format", "xml"], "--format: invalid choice: 'xml'"),
+    ],
+)
+def test_bad_input_is_one_line_on_stderr(
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert_bad_input(arguments, message, capsys)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("points: [", "not valid YAML"),
+        (JOINTS.format(name="x").replace("times", "time"), "unknown key 'time'; valid: "),
+        (JOINTS.format(name="x").replace("0.3", ".nan"), r"points\[1\].joints\[0\]: expected a finite number, got nan"),
+        (
+            JOINTS.format(name="x").replace("joints: [0.3, 0.8, -2.5, 0, 0.7, 0]", FAR),
+            r"points\[1\] 'b': .*out of reach",
+        ),
+        ("#" * 70_000, "larger than the 64,000 bytes"),
+    ],
+)
+def test_a_bad_task_file_is_named(text: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "t.yaml"
+    path.write_text(text)
+    assert_bad_input(["assess", str(path)], rf"t\.yaml.*{message}", capsys)
+
+
+def test_help_and_version_end_well(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"puma-septic {ps.__version__}\n"
+    for arguments in (["--help"], ["assess", "--help"], ["ik", "--help"], ["paper", "--help"]):
+        assert main(arguments) == 0
+        assert "usage: puma-septic" in capsys.readouterr().out
+
+
+def test_help_loads_the_standard_library_alone() -> None:
+    code = "import sys, puma_septic.cli as c; c.main(['--help']); print(*sys.modules)"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    heavy = {"numpy", "pinocchio", "pydantic", "ruamel.yaml", "scipy", "matplotlib", "tabulate"}
+    assert heavy.isdisjoint(run.stdout.split())
+
+
+def test_assess_loads_no_drawing_library() -> None:
+    code = "import sys, puma_septic.cli as c; c.main(['assess']); print(*sys.modules)"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert {"matplotlib", "meshcat", "IPython", "scipy"}.isdisjoint(run.stdout.split())
+
+
+def test_as_a_process() -> None:
+    run = subprocess.run([*COMMAND, "assess", "paper-turned", "--profile", "lspb"], capture_output=True, text=True)
+    assert (run.returncode, run.stderr) == (0, "")
+    assert "lspb" in run.stdout
+
+
+def test_a_reader_that_leaves_early_is_no_failure() -> None:
+    """As in ``puma-septic assess | head``: the exit code is still the verdict, and nobody complains."""
+    read, write = os.pipe()
+    os.close(read)
+    run = subprocess.run([*COMMAND, "assess"], stdout=write, stderr=subprocess.PIPE, text=True)
+    os.close(write)
+    assert (run.returncode, run.stderr) == (1, "")
+
+
+def test_an_interrupt_ends_in_one_line(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(assess_command, "run", interrupt)
+    assert main(["assess"]) == 130
+    assert capsys.readouterr() == ("", "puma-septic: interrupted\n")
+
+
+def test_a_terminal_without_the_characters_shows_their_numbers(joints: str) -> None:
+    Path(joints).write_text(JOINTS.format(name="Größe"), encoding="utf-8")
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    run = subprocess.run([*COMMAND, "assess", joints], capture_output=True, text=True, env=environment)
+    assert (run.returncode, run.stderr) == (0, "")
+    assert r"Gr\xf6\xdfe" in run.stdout

@@ -44,4 +44,6 @@ def boundary(name: str, value: ArrayLike | None, n_joints: int, unit: str) -> Ar
 
 def named(joint_names: Sequence[str] | None) -> tuple[str, ...]:
     """Joint names as a tuple, empty where none are given."""
+    if isinstance(joint_names, str):
+        raise InputError(f"joint_names: expected one name per joint, got the single string {joint_names!r}")
     return tuple(joint_names or ())

@@ -96,8 +96,9 @@ def quintic(
     >>> float(move.extrema(1).max[0])
     1.875
     """
+    vias = checked_points("quintic", points)
     segments = quintic_segments(
-        points, times, velocities=velocities, accelerations=accelerations, joint_names=joint_names
+        vias, times, velocities=velocities, accelerations=accelerations, joint_names=joint_names
     )
     return replace(segments, profile="quintic")
 

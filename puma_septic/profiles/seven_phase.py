@@ -177,6 +177,8 @@ def _fastest(h: float, v0: float, v1: float, bounds: _Bounds, label: str) -> _Mo
             f" {h:g} rad: with max_acceleration = {bounds.acceleration:g} rad/s^2 and max_jerk ="
             f" {bounds.jerk:g} rad/s^3 that takes {needed:g} rad; lower the velocities or raise the limits"
         )
+    if needed >= h:
+        return _Move(h, v0, v1, bounds, least)
     if _ramp_distance(v0, bounds.velocity, v1, bounds) <= h:
         return _Move(h, v0, v1, bounds, bounds.velocity)
     # The excess over `least` is sought, not the velocity: near `least` the ramps change like its square root.

@@ -114,9 +114,11 @@ class Piecewise:
         """One function with the components of all, which must share their breaks, side by side."""
         if not all(np.array_equal(f.breaks, functions[0].breaks) for f in functions[1:]):
             raise InputError("functions whose components are to stand side by side must share their breaks")
-        degree = max(f.degree for f in functions)
-        padded = [np.pad(f.coefficients, ((0, degree - f.degree), (0, 0), (0, 0))) for f in functions]
-        return cls(breaks=functions[0].breaks, coefficients=np.concatenate(padded, axis=2))
+        degree, ends = max(f.degree for f in functions), np.cumsum([f.n_components for f in functions])
+        side_by_side = np.zeros((degree + 1, len(functions[0].breaks) - 1, ends[-1]))
+        for f, end in zip(functions, ends, strict=True):
+            side_by_side[: f.degree + 1, :, end - f.n_components : end] = f.coefficients
+        return cls._trusted(functions[0].breaks, side_by_side)
 
     @property
     def n_components(self) -> int:

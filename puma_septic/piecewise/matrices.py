@@ -43,7 +43,9 @@ def basis_at(x: Array, degree: int) -> Array:
     For few points by cosines; for many by ``T_m+j = 2 T_m T_j - T_m-j``, which doubles the known rows at each step.
     """
     if x.size <= _FEW:
-        return np.asarray(np.cos(np.multiply.outer(np.arange(degree + 1.0), np.arccos(np.clip(x, -1.0, 1.0)))))
+        return np.asarray(
+            np.cos(np.multiply.outer(np.arange(degree + 1.0), np.arccos(np.minimum(np.maximum(x, -1.0), 1.0))))
+        )
     rows = np.empty((degree + 1, *x.shape))
     rows[0] = 1.0
     rows[1:2] = x

@@ -59,20 +59,21 @@ def assessment_text(assessment: Assessment) -> str:
 
 
 def _joint_table(assessment: Assessment) -> str:
-    headers = [
-        "joint", "position", "velocity", "acceleration", "jerk", "torque", "at [s]", "rms torque", "energy in", "out",
-    ]  # fmt: skip
+    """What each joint does and what it needs, in two tables, so that each fits on a page."""
+    motion, effort = [], []
     checks = {(check.joint, check.quantity): check for check in assessment.checks}
     extremes = zip(assessment.position.min, assessment.position.max, strict=True)
-    rows = []
     for j, (joint, (low, high)) in enumerate(zip(assessment.motion.robot.joint_names, extremes, strict=True)):
         cell = [checks.get((joint, quantity)) for quantity in QUANTITIES]
-        rows.append([
+        motion.append([
             joint,
             f"{low:.3f} .. {high:.3f}{_percent(cell[0])}",
             _size(assessment.peak_velocity[j], cell[1]),
             _size(assessment.peak_acceleration[j], cell[2]),
             _size(assessment.peak_jerk[j], cell[3]),
+        ])  # fmt: skip
+        effort.append([
+            joint,
             _size(assessment.peak_torque[j] * assessment.peak_torque_sign[j], cell[4]),
             f"{assessment.peak_torque_time[j]:.3f}",
             _size(assessment.rms_torque[j], None),
@@ -83,7 +84,11 @@ def _joint_table(assessment: Assessment) -> str:
     if assessment.motion.robot.is_prismatic.any():
         units += " (sliding joints: m and N)"
     note = f"{units}; (use of the limit; ! marks a broken one)"
-    return text_table(headers, rows) + "\n" + note
+    tables = (
+        text_table(["joint", "position", "velocity", "acceleration", "jerk"], motion),
+        text_table(["joint", "torque", "at [s]", "rms torque", "energy in", "energy out"], effort),
+    )
+    return "\n\n".join(tables) + "\n" + note
 
 
 def _percent(check: LimitCheck | None) -> str:

@@ -110,9 +110,7 @@ class Drivetrain:
         if self.measured_friction is not None or np.isnan(self.gearbox.efficiency):
             return np.ones(3)
         backward = self.gearbox.backward_efficiency
-        return np.array(
-            [self.gearbox.efficiency if np.isnan(backward) else backward, 1.0, 1 / self.gearbox.efficiency]
-        )
+        return np.array([self.gearbox.efficiency if np.isnan(backward) else backward, 1.0, 1 / self.gearbox.efficiency])
 
     @property
     def viscous_friction(self) -> float:

@@ -63,9 +63,7 @@ def own_drivetrains(robot: Robot) -> tuple[Drivetrain, ...]:
                     source=actuator.source,
                 ),
                 gearbox=Gearbox(ratio=actuator.gear_ratio, name=f"{robot.name} {name}", source=actuator.source),
-                measured_friction=Friction(
-                    viscous=actuator.viscous_friction, coulomb=actuator.coulomb_friction
-                ),
+                measured_friction=Friction(viscous=actuator.viscous_friction, coulomb=actuator.coulomb_friction),
                 max_effort=float(effort),
             )
         )

@@ -177,9 +177,7 @@ class Motor:
         _check(self, not_negative, _NOT_NEGATIVE)
         _check(self, {"max_winding_celsius": "degrees Celsius"}, {"above": ABSOLUTE_ZERO_CELSIUS})
         checked_number("copper_coefficient", self.copper_coefficient, unit="1/K", at_least=0.0)
-        checked_number(
-            "reference_celsius", self.reference_celsius, unit="degrees Celsius", above=ABSOLUTE_ZERO_CELSIUS
-        )
+        checked_number("reference_celsius", self.reference_celsius, unit="degrees Celsius", above=ABSOLUTE_ZERO_CELSIUS)
         for name in ("peak_curve", "continuous_curve"):
             _check_curve(self, name)
         if len(self.continuous_curve) and not np.isnan(self.continuous_torque):

@@ -181,7 +181,7 @@ def size(cycle: Cycle, *, drivetrains: Sequence[Drivetrain] | None = None) -> Si
     >>> there = ps.compute_motion(robot, ps.quintic_segments([[0.0] * 6, [0.5] * 6], [0.0, 2.0]))
     >>> sizing = size(ps.cycle.with_return(there, dwell=1.0))
     >>> sizing.is_feasible, sizing.governing.joint
-    (True, 'joint1')
+    (True, 'joint2')
     """
     if not isinstance(cycle, Cycle):
         raise InputError(f"size takes a Cycle, got {type(cycle).__name__}; Cycle(steps=[motion]) makes one of a motion")

@@ -41,8 +41,8 @@ def sizing_text(sizing: Sizing) -> str:
         f"{cycle.robot.name}, cycle of {len(cycle.steps)} steps, {cycle.duration:g} s, {kind}: {verdict(sizing)}",
         "",
         _demand_table(sizing),
-        "Load: at the gearbox's output. Causes: RMS at the joint. Motor: torques in N m (sliding joints: load in N), speeds"
-        " in 1/min. Work: mechanical, in J",
+        "Load: at the gearbox's output. Causes: RMS at the joint. Torques in N m (sliding joints: load in N), speeds in"
+        " 1/min; work: mechanical, in J",
     ]
     if sizing.checks:
         lines += ["", _check_table(sizing), "margin = 1 - demand / limit; ! marks a broken limit, ? a rule of thumb"]

@@ -174,11 +174,11 @@ def _world_frame(robot: Robot, name: str) -> Array:
     InputError
         For an unknown frame, or one that moves, with those that do not.
     """
-    if name == _WORLD:
+    frames = {frame.name: frame.parentJoint for frame in robot.model.frames if frame.name != "universe"}
+    if name == _WORLD and name not in frames:  # a URDF may have a link of this name, which is then meant
         return np.eye(4)
-    frames = robot.model.frames
-    fixed = [_WORLD, *(frame.name for frame in frames if frame.parentJoint == 0 and frame.name != "universe")]
-    if name not in fixed and name in [frame.name for frame in frames]:
+    fixed = list(dict.fromkeys([_WORLD, *(frame for frame, parent in frames.items() if parent == 0)]))
+    if name in frames and name not in fixed:
         raise InputError(f"{name!r} moves with the arm; poses can be given in: {', '.join(map(repr, fixed))}")
     checked_choice("frame", name, fixed)
     return forward_kinematics(robot, np.zeros(robot.n_joints), frame=name)

@@ -177,6 +177,15 @@ def test_a_ur5_that_stays_singular_is_reported_once() -> None:
     np.testing.assert_array_equal(report.crossings, [0.0])
 
 
+@pytest.mark.parametrize(("swing", "crossings"), [(0.4, [1.0]), (0.0, [0.0])])
+def test_a_redundant_arm_s_measure_touches_zero(swing: float, crossings: list[float]) -> None:
+    """A panda is singular with joints 2 and 4 at 0; det(J J^T) is fitted to 1e-11 of its largest value, not to zero."""
+    start, end = np.array([[0.3, -swing, 0.5, -swing, 0.6, 1.2, 0.2], [0.9, swing, -0.5, swing, 1.6, 0.8, 1.2]])
+    (report,) = metrics(panda(), ps.quintic_segments([start, end], [0.0, 2.0])).singularities
+    np.testing.assert_allclose(report.crossings, crossings, atol=1e-3)
+    assert report.least_distance == 0.0
+
+
 def test_waiting_in_a_singularity_is_one_visit() -> None:
     """Joint 5 comes to zero at 1 s and waits there until 2 s; at rest the last milliseconds are already within 1e-9."""
     points = np.array([[0.1, -0.7, -0.6, 0.3, q5, 0.2] for q5 in (0.5, 0.0, 0.0, 0.5)])

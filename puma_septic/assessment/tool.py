@@ -17,9 +17,6 @@ from puma_septic.trajectory import Trajectory
 
 __all__ = ["SingularityReport", "ToolMetrics", "tool_metrics"]
 
-# Ten times the tolerance of the fit: what is below this part of a measure's largest value is zero.
-_FIT_ERROR = 1e-10
-
 
 @final
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -101,7 +98,7 @@ def _singularities(robot: Robot, trajectory: Trajectory, series: Piecewise) -> t
     first = series.n_components - len(kinds)
     distances = Piecewise(breaks=series.breaks, coefficients=series.coefficients[:, :, first:])
     extrema = distances.extrema()
-    zero = np.maximum(singularity_zeros(robot, trajectory(trajectory.breaks)), _FIT_ERROR * extrema.peak)
+    zero = singularity_zeros(robot, trajectory(trajectory.breaks))
     candidates = zip(distances.roots(), distances.derivative().roots(), strict=True)
     reports = []
     for k, (kind, times) in enumerate(zip(kinds, candidates, strict=True)):

@@ -15,43 +15,77 @@ __version__ = "0.1.0"
 _HOMES: Final = {
     "Actuator": "robot",
     "Assessment": "assessment",
+    "Cycle": "cycle",
+    "Drive": "drives",
+    "Drivetrain": "drives",
+    "Dwell": "cycle",
+    "Friction": "drives",
+    "Gearbox": "drives",
     "InputError": "errors",
     "Limits": "robot",
     "ModelError": "errors",
     "Motion": "motion",
+    "Motor": "drives",
     "NoSolution": "errors",
     "Payload": "robot",
     "Piecewise": "piecewise",
     "PumaSepticError": "errors",
+    "Replay": "viewer",
     "Robot": "robot",
+    "Sizing": "sizing",
     "Trajectory": "trajectory",
     "Wrench": "robot",
     "assess": "assessment",
+    "assess_task": "task",
     "compute_motion": "motion",
+    "cycle": "cycle",
+    "fit_residual": "profiles.logged",
+    "fit_trajectory": "profiles.logged",
     "forward_kinematics": "kinematics",
     "inverse_dynamics": "dynamics",
     "inverse_kinematics": "kinematics",
     "inverse_kinematics_batch": "kinematics",
     "jacobian": "kinematics",
+    "load_drivetrains": "drives",
     "load_robot": "robot",
+    "load_task": "task",
     "lspb": "profiles",
+    "own_drivetrains": "drives",
     "paper": "paper",
     "plots": "plots",
     "profiles": "profiles",
     "quintic_segments": "profiles",
+    "read_csv_trajectory": "profiles.logged",
+    "replay": "viewer",
+    "replay_html": "viewer",
+    "resolve_task": "task",
     "septic": "profiles",
+    "size": "sizing",
+    "sizing": "sizing",
     "tool_motion": "kinematics",
     "torque_terms": "dynamics",
+    "write_replay": "viewer",
 }
 
 __all__ = ["__version__", *_HOMES]
 
 if TYPE_CHECKING:
+    from puma_septic import cycle as cycle
     from puma_septic import paper as paper
     from puma_septic import plots as plots
     from puma_septic import profiles as profiles
+    from puma_septic import sizing as sizing
     from puma_septic.assessment import Assessment as Assessment
     from puma_septic.assessment import assess as assess
+    from puma_septic.cycle import Cycle as Cycle
+    from puma_septic.cycle import Dwell as Dwell
+    from puma_septic.drives import Drive as Drive
+    from puma_septic.drives import Drivetrain as Drivetrain
+    from puma_septic.drives import Friction as Friction
+    from puma_septic.drives import Gearbox as Gearbox
+    from puma_septic.drives import Motor as Motor
+    from puma_septic.drives import load_drivetrains as load_drivetrains
+    from puma_septic.drives import own_drivetrains as own_drivetrains
     from puma_septic.dynamics import inverse_dynamics as inverse_dynamics
     from puma_septic.dynamics import torque_terms as torque_terms
     from puma_septic.errors import InputError as InputError
@@ -69,13 +103,25 @@ if TYPE_CHECKING:
     from puma_septic.profiles import lspb as lspb
     from puma_septic.profiles import quintic_segments as quintic_segments
     from puma_septic.profiles import septic as septic
+    from puma_septic.profiles.logged import fit_residual as fit_residual
+    from puma_septic.profiles.logged import fit_trajectory as fit_trajectory
+    from puma_septic.profiles.logged import read_csv_trajectory as read_csv_trajectory
     from puma_septic.robot import Actuator as Actuator
     from puma_septic.robot import Limits as Limits
     from puma_septic.robot import Payload as Payload
     from puma_septic.robot import Robot as Robot
     from puma_septic.robot import Wrench as Wrench
     from puma_septic.robot import load_robot as load_robot
+    from puma_septic.sizing import Sizing as Sizing
+    from puma_septic.sizing import size as size
+    from puma_septic.task import assess_task as assess_task
+    from puma_septic.task import load_task as load_task
+    from puma_septic.task import resolve_task as resolve_task
     from puma_septic.trajectory import Trajectory as Trajectory
+    from puma_septic.viewer import Replay as Replay
+    from puma_septic.viewer import replay as replay
+    from puma_septic.viewer import replay_html as replay_html
+    from puma_septic.viewer import write_replay as write_replay
 else:  # hidden from the type checker, which would take every misspelt name for an attribute
 
     def __getattr__(name: str) -> object:

@@ -1,7 +1,7 @@
 """The constant matrices of Chebyshev series on [-1, 1], one of each kind per degree.
 
-All follow from ``T_k(cos(theta)) = cos(k theta)``; see Trefethen, Approximation Theory and Approximation Practice,
-chapters 2-3 (nodes, coefficients) and 19 (integrals). Each is built once and shared, hence read-only.
+All follow from ``T_k(cos(theta)) = cos(k theta)``; see Trefethen, Approximation Theory and Approximation Practice.
+Each is built once and shared, hence read-only.
 """
 
 from __future__ import annotations

@@ -33,9 +33,9 @@ def trapezoidal(
     them.
 
     Between two points, with blends of length Ta at both ends, the cruise velocity is ``v_c = h / (T - Ta)``,
-    in [h/T, 2h/T], and the acceleration ``v_c / Ta`` (Biagiotti and Melchiorri, section 3.2). Through several
+    in [h/T, 2h/T], and the acceleration ``v_c / Ta`` (Biagiotti and Melchiorri). Through several
     points, blends of length b are centred on the vias, and the first and last lie inside their segments
-    (Craig, Introduction to Robotics, section 7.3): a via is missed by ``b dv / 8``, dv the change of velocity
+    (Craig, Introduction to Robotics): a via is missed by ``b dv / 8``, dv the change of velocity
     across it. The acceleration steps at both ends of each blend. `lspb` is the smoother motion that Corke's
     toolbox makes of the same idea.
 
@@ -98,8 +98,8 @@ def polynomial_blends(
     at the via, so the leading coefficient vanishes: the cubic is the parabola of `trapezoidal`, the quintic a
     quartic with acceleration up to ``1.5 dv/b``, and so on. The first line passes through ``(t0 + b/2, q0)``,
     the last through ``(t1 - b/2, q1)``. A via is missed by ``c b dv``, c = 1/8, 3/32, 5/64, 35/512 (Biagiotti
-    and Melchiorri, Trajectory Planning for Automatic Machines and Robots, section 3.3 and, with the blends
-    centred on the vias, Craig, Introduction to Robotics, section 7.3).
+    and Melchiorri, Trajectory Planning for Automatic Machines and Robots and, with the blends
+    centred on the vias, Craig, Introduction to Robotics).
 
     Parameters
     ----------

@@ -29,7 +29,7 @@ def bspline(
     """The B-spline of degree 3 or 5 through the points, at knots that are averages of the via times.
 
     Knot i is the mean of `degree` successive times, those at the ends counted once for each condition there
-    (de Boor, A Practical Guide to Splines, chapter 13; uniform where the times are). So there are two knots
+    (de Boor, A Practical Guide to Splines; uniform where the times are). So there are two knots
     more than vias, which leaves room for rest at both ends: velocity and acceleration zero with degree 3, the
     jerk too with degree 5 (Gasparetto and Zanotto, A New Method for Smooth Trajectory Planning of Robot
     Manipulators, 2007). Continuous to the second or fourth derivative; the cubic's jerk is a staircase.
@@ -85,7 +85,7 @@ def bspline_control(
 
     ``q(t) = sum_i N_i(t) P_i``; the first and last point count `degree` times, so that the curve starts and
     ends there at rest, with all its continuous derivatives zero; knots are averages of the times as in
-    `bspline` (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots, section 4.5
+    `bspline` (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots
     and appendix B). It misses the vias between, smooths the corners there and never leaves the hull of the
     points. Continuous to the second or fourth derivative.
 

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 from puma_septic.checks import Array, checked_array
 from puma_septic.piecewise import Piecewise
 from puma_septic.piecewise.matrices import from_power_matrix
+from puma_septic.profiles.fifth_degree import quintic_segments
 from puma_septic.profiles.points import checked_points, checked_via_times, named
-from puma_septic.profiles.quintic import quintic_segments
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["classic_septic", "cubic", "from_boundary_values", "quintic"]
@@ -31,7 +31,7 @@ def cubic(
 
     With s = (t - t0)/T and h = q1 - q0:
     ``q = q0 + v0 T s + (3 h - (2 v0 + v1) T) s^2 + (-2 h + (v0 + v1) T) s^3`` (Biagiotti and Melchiorri,
-    Trajectory Planning for Automatic Machines and Robots, section 2.1.3). The velocity is continuous, the
+    Trajectory Planning for Automatic Machines and Robots). The velocity is continuous, the
     acceleration steps at every point, both ends included. At rest it peaks at ``6 h/T^2``.
 
     Parameters
@@ -71,8 +71,8 @@ def quintic(
 
     At rest ``q = q0 + h (10 s^3 - 15 s^4 + 6 s^5)``, the 3-4-5 polynomial: of all motions from rest to rest
     with continuous acceleration the one with the least integral of jerk^2, ``720 h^2/T^5`` (Flash and Hogan,
-    The Coordination of Arm Movements, 1985; general boundary values: Biagiotti and Melchiorri, section
-    2.1.4). The jerk steps at every point. The same curve as `quintic_segments`.
+    The Coordination of Arm Movements, 1985; general boundary values: Biagiotti and
+    Melchiorri). The jerk steps at every point. The same curve as `quintic_segments`.
 
     Parameters
     ----------
@@ -115,8 +115,7 @@ def classic_septic(
     """One septic per segment, from position, velocity, acceleration and jerk at both its ends.
 
     At rest ``q = q0 + h (35 s^4 - 84 s^5 + 70 s^6 - 20 s^7)``, the 4-5-6-7 polynomial; the jerk is
-    continuous, at rest too (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots,
-    section 2.1.5, which has the coefficients for general boundary values).
+    continuous, at rest too (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots).
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ def poly_434(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] 
 
     14 coefficients from four positions (the two vias' on both sides), velocity and acceleration zero at both
     ends and continuous at both vias (Fu, Gonzalez and Lee, Robotics: Control, Sensing, Vision and
-    Intelligence, section 4.3.1). The jerk steps at all four points.
+    Intelligence). The jerk steps at all four points.
 
     Parameters
     ----------

@@ -3,8 +3,8 @@ bang-bang.
 
 Each is a law y(s) with y(0) = 0, y(1) = 1 and zero velocity at both ends; a segment is
 ``q0 + (q1 - q0) y((t - t0)/T)``. Several points mean a stop at each via. Formulas: Biagiotti and Melchiorri,
-Trajectory Planning for Automatic Machines and Robots, chapters 2 and 3; Norton, Cam Design and Manufacturing
-Handbook, chapter 3 (modified laws).
+Trajectory Planning for Automatic Machines and Robots; Norton, Cam Design and Manufacturing
+Handbook (modified laws).
 """
 
 from __future__ import annotations

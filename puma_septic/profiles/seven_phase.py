@@ -57,7 +57,7 @@ def double_s(
     constant acceleration a_max: a change of velocity dv takes ``dv/a_max + a_max/j_max``, or
     ``2 sqrt(dv/j_max)`` if that is reached before a_max, and covers its duration times the mean of both
     velocities. The cruise velocity is v_max, or the highest for which the ramps fit into the distance
-    (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots, section 3.4). Each
+    (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots). Each
     segment lasts as long as its slowest joint needs. The others are stretched in time, which lowers their
     velocity, acceleration and jerk; a joint that starts or ends in motion lowers its cruise velocity instead.
     The acceleration is continuous, the jerk a staircase.

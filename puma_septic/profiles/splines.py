@@ -29,7 +29,7 @@ def cubic_spline(
 
     Among all curves through the points with these end velocities it has the least integral of acceleration^2.
     At the ends the acceleration steps from rest, so the jerk is unbounded there (Biagiotti and Melchiorri,
-    Trajectory Planning for Automatic Machines and Robots, section 4.4.1).
+    Trajectory Planning for Automatic Machines and Robots).
 
     Parameters
     ----------

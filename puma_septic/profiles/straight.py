@@ -19,7 +19,7 @@ def linear(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | 
 
     The velocity steps at every point and at both ends, so acceleration, jerk and torque are unbounded there:
     the yardstick for the others, not a motion for an arm (Biagiotti and Melchiorri, Trajectory Planning for
-    Automatic Machines and Robots, section 2.1.1).
+    Automatic Machines and Robots).
 
     Parameters
     ----------

@@ -29,7 +29,7 @@ def quintic_segments(
     ``q = q0 + v0 T s + a0 T^2/2 s^2 + c3 s^3 + c4 s^4 + c5 s^5``,
     ``c3 = 10 h - (6 v0 + 4 v1) T - (3 a0 - a1) T^2/2``, ``c4 = -15 h + (8 v0 + 7 v1) T + (3 a0 - 2 a1) T^2/2``,
     ``c5 = 6 h - 3 (v0 + v1) T - (a0 - a1) T^2/2`` (Biagiotti and Melchiorri, Trajectory Planning for Automatic
-    Machines and Robots, section 2.1.4). Position, velocity and acceleration are continuous; the jerk steps at every
+    Machines and Robots). Position, velocity and acceleration are continuous; the jerk steps at every
     point. With zero velocities, the arm stops at each via.
 
     Parameters

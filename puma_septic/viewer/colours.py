@@ -1,0 +1,48 @@
+"""Colours of the replay: by utilisation, by speed, by motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from puma_septic.checks import Array
+
+__all__ = ["GHOSTS", "NEUTRAL", "SOLID", "SPEED", "UTILISATION", "as_hex", "colour_at"]
+
+# From rest over half to the limit. The green is the bluish green of Okabe and Ito, "Color Universal Design", 2008, and
+# the yellow is far lighter than both its neighbours, so that eyes that confuse red and green still see the order; the
+# page writes every number beside its colour.
+UTILISATION: Final = ((0.0, 0.62, 0.45), (0.96, 0.86, 0.18), (0.84, 0.10, 0.11))
+# From rest to the highest speed shown: one hue, light to dark, told apart in grey as well.
+SPEED: Final = ((0.62, 0.85, 0.96), (0.13, 0.49, 0.80), (0.10, 0.06, 0.40))
+# A link whose effort limit is not known, and the base, which carries no joint.
+NEUTRAL: Final = (0.72, 0.73, 0.75)
+# What a legend shows for the solid arm, whose links change colour.
+SOLID: Final = (0.36, 0.39, 0.43)
+# The second and further motions: Okabe and Ito's blue, reddish purple, orange and sky blue.
+GHOSTS: Final = ((0.0, 0.45, 0.70), (0.80, 0.47, 0.65), (0.90, 0.62, 0.0), (0.34, 0.71, 0.91))
+
+
+def colour_at(stops: Sequence[Sequence[float]], x: ArrayLike) -> Array:
+    """Red, green and blue (0 to 1) at x, shape (n,), on evenly spaced stops; beyond 0 and 1 the ends.
+
+    Where x is not known (NaN), `NEUTRAL`.
+    """
+    values = np.asarray(x, dtype=np.float64)
+    where = np.linspace(0.0, 1.0, len(stops))
+    mixed = np.stack([np.interp(values, where, channel) for channel in zip(*stops, strict=True)], axis=-1)
+    return np.where(np.isnan(values)[..., None], NEUTRAL, mixed)
+
+
+def as_hex(colour: Sequence[float]) -> str:
+    """A colour as a page writes it.
+
+    Examples
+    --------
+    >>> as_hex((1.0, 0.5, 0.0))
+    '#ff8000'
+    """
+    return "#" + "".join(f"{round(255 * channel):02x}" for channel in colour)

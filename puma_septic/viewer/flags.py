@@ -1,0 +1,87 @@
+"""What is marked on path and time line: broken limits and singular postures, with their instants."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Literal, final
+
+import numpy as np
+
+from puma_septic.assessment import Assessment
+from puma_septic.assessment.checks import LimitCheck
+from puma_septic.piecewise import Piecewise
+
+__all__ = ["Flag", "flags_of"]
+
+_ORDERS: Final = {"position": 0, "velocity": 1, "acceleration": 2, "jerk": 3}
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Flag:
+    """Something that a viewer must not miss.
+
+    Attributes
+    ----------
+    kind : {"limit", "singular"}
+    time : float
+        Of the worst, or of the passage, s.
+    text : str
+    spans : tuple of (float, float)
+        While a limit is broken, s; none for what only happens at an instant.
+    """
+
+    kind: Literal["limit", "singular"]
+    time: float
+    text: str
+    spans: tuple[tuple[float, float], ...] = ()
+
+
+def flags_of(assessment: Assessment) -> tuple[Flag, ...]:
+    """Broken limits, the worst first, then passages through singular postures in order of time."""
+    limits = [
+        Flag(kind="limit", time=check.time, text=_text(check), spans=_spans(assessment, check))
+        for check in assessment.violations
+    ]
+    singular = [
+        Flag(kind="singular", time=float(time), text=f"{report.kind} singularity")
+        for report in assessment.tool.singularities
+        for time in report.crossings
+    ]
+    return (*limits, *sorted(singular, key=lambda flag: flag.time))
+
+
+def _text(check: LimitCheck) -> str:
+    quantity = "torque" if check.quantity == "effort" else check.quantity
+    if np.isinf(check.demand):
+        return f"{check.joint}: {quantity} unbounded, limit {check.limit:.4g} {check.unit}"
+    if check.quantity == "position":
+        beyond = f"{-check.margin:.3g} {check.unit} beyond its bound"
+        return f"{check.joint}: position {check.demand:.4g} {check.unit}, {beyond}"
+    return (
+        f"{check.joint}: {quantity} {check.demand:.4g} {check.unit}, {100 * check.utilisation:.0f} % of"
+        f" {check.limit:.4g} {check.unit}"
+    )
+
+
+def _spans(assessment: Assessment, check: LimitCheck) -> tuple[tuple[float, float], ...]:
+    """While the joint's quantity is beyond its bounds: from the roots of their difference, not from a grid."""
+    motion = assessment.motion
+    j = motion.robot.joint_index(check.joint)
+    whole = motion.torque if check.quantity == "effort" else motion.trajectory.derivative(_ORDERS[check.quantity])
+    one = Piecewise(breaks=whole.breaks, coefficients=whole.coefficients[:, :, j : j + 1])
+    low, high = motion.robot.limits.position[j] if check.quantity == "position" else (-check.limit, check.limit)
+    excesses = [sign * (one - _constant(one, bound)) for sign, bound in ((1, high), (-1, low)) if np.isfinite(bound)]
+    return tuple(sorted(span for excess in excesses for span in _positive(excess)))
+
+
+def _constant(like: Piecewise, value: float) -> Piecewise:
+    return Piecewise(breaks=like.breaks[[0, -1]], coefficients=np.full((1, 1, 1), value))
+
+
+def _positive(function: Piecewise) -> list[tuple[float, float]]:
+    """Stretches on which a function of one component is positive, neighbours joined."""
+    split = function.split(function.roots()[0])
+    above = split.signs()[:, 0] > 0
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], above, [False]]).astype(int)))
+    return [(float(split.breaks[a]), float(split.breaks[b])) for a, b in edges.reshape(-1, 2)]

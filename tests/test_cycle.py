@@ -2,38 +2,21 @@
 
 from __future__ import annotations
 
-from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 from arms import joint as joint_text
 from arms import link, load, pendulum
+from duty import LOAD, POINTS, TIMES, paper_motion
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import puma_septic as ps
 from puma_septic.piecewise import Piecewise
 
-# Table 1 and times of Raji, Asaolu, Akano, rad and s.
-POINTS = np.array(
-    [
-        [2.57, -0.7873, -1.2022, -3.1416, -1.9895, 0.5716],
-        [2.57, -0.1026, -0.5, -3.1416, -0.6026, 0.5716],
-        [-0.5716, -0.1026, -0.5, -3.1416, -0.6026, -2.57],
-        [-0.5716, -0.7873, -1.2022, -3.1416, -1.9895, -2.57],
-    ]
-)
-TIMES = np.array([0.0, 2.0, 6.0, 9.0])
-LOAD = ps.Payload(mass=2.5, com=(0.0, 0.0, 0.1))
 # Series are fitted to 1e-11 of each joint's largest torque; the rest is room.
 EXACT = 1e-9
-
-
-@cache
-def paper_motion(*, loaded: bool = False) -> ps.Motion:
-    robot = ps.load_robot()
-    return ps.compute_motion(robot.with_payload(LOAD) if loaded else robot, ps.septic(POINTS, TIMES))
 
 
 def rest_to_rest(robot: ps.Robot, start: float, end: float, duration: float = 1.0) -> ps.Motion:

@@ -104,9 +104,7 @@ def compute_motion(robot: Robot, trajectory: Trajectory) -> Motion:
     coulomb = Piecewise(breaks=smooth.breaks, coefficients=coulomb_torque(robot, sign)[None])
     still = sign == 0
     still.setflags(write=False)
-    return Motion(
-        robot=robot, trajectory=trajectory, torque=smooth + coulomb, still=still, n_evaluations=n_evaluations
-    )
+    return Motion(robot=robot, trajectory=trajectory, torque=smooth + coulomb, still=still, n_evaluations=n_evaluations)
 
 
 def _check_joints(robot: Robot, trajectory: Trajectory) -> None:

@@ -324,11 +324,13 @@ def test_a_light_blow_beside_a_heavy_neighbour_strikes_it_not(tmp_path: Path) ->
 
 
 def test_a_coupling_that_is_rounding_is_none(tmp_path: Path) -> None:
-    """A pendulum that swings through the axis of a turntable does not turn it, though its mass matrix has 1e-17 there."""
+    """A pendulum that swings through the axis of a turntable does not turn it; its mass matrix has 1e-17 there."""
     body = '<link name="base"/>' + link("table", 1.0, [0, 0, 0], 0.1 * np.eye(3))
     body += link("bob", 2.0, [0.1, 0.0, -0.5], 0.01 * np.eye(3))
     body += joint("turn", "revolute", "base", "table", [0, 0, 0], [0, 0, 1], [0.4, 0.5, 0.6])
-    body += joint("swing", "revolute", "table", "bob", [0.2 * np.cos(0.3), 0.2 * np.sin(0.3), 0], [0, 1, 0], [0, 0, 0.3])
+    body += joint(
+        "swing", "revolute", "table", "bob", [0.2 * np.cos(0.3), 0.2 * np.sin(0.3), 0], [0, 1, 0], [0, 0, 0.3]
+    )
     arm = load(tmp_path, "turntable", body)
     move = ps.lspb([[0.7, 0.1], [0.7, 1.1]], durations=[1.0], blend_time=0.0)
     assert 0 < abs(mass_matrix(arm, move([0.0, 1.0]))[:, 0, 1]).max() < 1e-15

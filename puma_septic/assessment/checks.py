@@ -75,9 +75,7 @@ class LimitCheck:
         return f"{what} is {100 * self.utilisation:.4g} % of {self.limit:.4g} {self.unit}"
 
 
-def limit_checks(
-    robot: Robot, position: Extrema, demands: Mapping[str, tuple[Array, Array]]
-) -> tuple[LimitCheck, ...]:
+def limit_checks(robot: Robot, position: Extrema, demands: Mapping[str, tuple[Array, Array]]) -> tuple[LimitCheck, ...]:
     """Every demand whose limit is known, joint by joint; `demands` maps a quantity to magnitudes and instants."""
     checks = []
     for j, joint in enumerate(robot.joint_names):

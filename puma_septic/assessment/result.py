@@ -187,8 +187,8 @@ def assess(what: Motion | Robot, trajectory: Trajectory | None = None, *, dwell:
     >>> import puma_septic as ps
     >>> move = ps.quintic_segments([[0.0] * 6, [0.5] * 6], [0.0, 2.0])
     >>> result = ps.assess(ps.load_robot(), move)
-    >>> result.is_feasible, result.worst.joint
-    (True, 'joint1')
+    >>> result.is_feasible, result.worst.joint, result.worst.quantity, round(result.worst.utilisation, 2)
+    (True, 'joint3', 'position', 0.88)
     """
     if isinstance(what, Motion) and trajectory is None:
         motion = what

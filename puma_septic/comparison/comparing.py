@@ -1,0 +1,86 @@
+"""Compare profiles on the same points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from puma_septic.checks import checked_array, checked_number, checked_times
+from puma_septic.comparison.making import make_profiles
+from puma_septic.comparison.result import ComparedProfile, Comparison
+from puma_septic.errors import InputError
+from puma_septic.objectives import Candidate, checked_objectives
+from puma_septic.robot import Robot
+
+__all__ = ["compare"]
+
+
+def compare(
+    robot: Robot,
+    points: ArrayLike,
+    times: ArrayLike,
+    *,
+    profiles: Sequence[str] | None = None,
+    options: Mapping[str, Mapping[str, Any]] | None = None,
+    dwell: float = 0.0,
+    objectives: Sequence[str] = ("integral_of_squared_jerk", "overshoot", "via_miss"),
+) -> Comparison:
+    """Run all suitable profiles through the same points and measure each exactly.
+
+    Parameters
+    ----------
+    robot : Robot
+    points : array_like, shape (k, n_joints)
+        At least two, rad (m for prismatic joints).
+    times : array_like, shape (k,)
+        Strictly increasing, s. A profile that finds its own times (`double_s`) takes the robot's limits instead.
+    profiles : sequence of str, optional
+        Names out of `puma_septic.profiles.available`; all by default.
+    options : mapping, optional
+        Profile name to keyword arguments of its function. Where a blend time is needed and not given, it is half
+        the shortest segment.
+    dwell : float
+        Rest after the motion, in the root mean squares, s.
+    objectives : sequence of str
+        By which Pareto-optimal profiles are marked; names as in `puma_septic.objectives.OBJECTIVES`.
+
+    Returns
+    -------
+    Comparison
+        There is no single winner; profiles that do not suit are listed with the reason.
+
+    Raises
+    ------
+    InputError
+        For points or times that are not valid, an unknown profile or objective, or if no profile suits.
+
+    Examples
+    --------
+    >>> import puma_septic as ps
+    >>> move = [[0.0] * 6, [0.5] * 6, [1.0] * 6]
+    >>> result = compare(ps.load_robot(), move, [0.0, 1.0, 2.0], profiles=["quintic", "quintic_spline"])
+    >>> [(row.name, row.stops_at_vias) for row in result.profiles]
+    [('quintic', True), ('quintic_spline', False)]
+    """
+    vias = checked_array("points", points, (None, robot.n_joints), unit="rad")
+    if len(vias) < 2:
+        raise InputError(f"a comparison needs at least 2 points, got {len(vias)}")
+    instants = checked_times("times", times, len(vias))
+    dwell = checked_number("dwell", dwell, unit="s", at_least=0.0)
+    chosen = checked_objectives(objectives)
+    made, unsuitable = make_profiles(robot, vias, instants, names=profiles, options=options or {})
+    if not made:
+        reasons = "; ".join(f"{name}: {reason}" for name, reason in unsuitable.items())
+        raise InputError(f"no profile suits these points and times: {reasons}")
+    candidates = {name: Candidate(trajectory=trajectory, robot=robot, dwell=dwell) for name, trajectory in made.items()}
+    rows = tuple(
+        ComparedProfile(
+            name=name,
+            assessment=candidate.assessment,
+            objectives={objective.name: objective.value(candidate) for objective in chosen},
+        )
+        for name, candidate in candidates.items()
+    )
+    return Comparison(points=vias, times=instants, profiles=rows, unsuitable=unsuitable, objectives=chosen)

@@ -1,0 +1,94 @@
+"""Which profiles suit a task, and which do not and why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from inspect import signature
+from typing import Any, Final
+
+import numpy as np
+
+from puma_septic import profiles as families
+from puma_septic.checks import Array, checked_choice
+from puma_septic.errors import InputError
+from puma_septic.robot import Robot
+from puma_septic.trajectory import Trajectory
+
+__all__ = ["make_profiles"]
+
+# Two motions whose coefficients differ by less than this part of the largest are one: some thousand roundings.
+_SAME: Final = 1e-10
+
+
+def make_profiles(
+    robot: Robot,
+    points: Array,
+    times: Array,
+    *,
+    names: Sequence[str] | None,
+    options: Mapping[str, Mapping[str, Any]],
+) -> tuple[dict[str, Trajectory], dict[str, str]]:
+    """Trajectories by profile, and for each profile that does not suit the reason.
+
+    Without names, all profiles are tried, and one that gives the same motion as an earlier one is left out.
+
+    Raises
+    ------
+    InputError
+        For an unknown profile, or options of one that is not among those compared.
+    """
+    known = [info.name for info in families.available()]
+    wanted = known if names is None else [checked_choice("profile", name, known) for name in names]
+    for name in options:
+        checked_choice("profile in options", name, wanted)
+    made: dict[str, Trajectory] = {}
+    unsuitable: dict[str, str] = {}
+    for name in wanted:
+        try:
+            trajectory = _make(name, robot, points, times, options.get(name, {}))
+        except InputError as error:
+            unsuitable[name] = str(error)
+            continue
+        twin = next((other for other, one in made.items() if _is_same(one, trajectory)), None)
+        if names is None and twin is not None:
+            unsuitable[name] = f"here the same motion as {twin}"
+        else:
+            made[name] = trajectory
+    return made, unsuitable
+
+
+def _make(name: str, robot: Robot, points: Array, times: Array, options: Mapping[str, Any]) -> Trajectory:
+    """The profile with what it needs: times or durations, a blend time, limits, unless options say otherwise."""
+    profile = getattr(families, name)
+    parameters = signature(profile).parameters
+    unknown = [key for key in options if key not in parameters or key in ("points", "times", "joint_names")]
+    if unknown:
+        valid = ", ".join(key for key in parameters if key not in ("points", "times", "joint_names"))
+        raise InputError(f"unknown option {unknown[0]!r} of profile {name!r}; valid: {valid or 'none'}")
+    given: dict[str, Any] = {"joint_names": robot.joint_names}
+    if "times" in parameters:
+        given["times"] = times
+    elif "durations" in parameters and "max_velocity" not in options:
+        given["durations"] = np.diff(times)
+    if "blend_time" in parameters and "cruise_velocity" not in options:
+        # Blends of half the shortest segment never overlap; on the paper's times, its own 1 s.
+        given["blend_time"] = float(np.diff(times).min()) / 2
+    if name == "double_s":
+        limits = robot.limits
+        given |= {
+            "max_velocity": limits.velocity,
+            "max_acceleration": limits.acceleration,
+            "max_jerk": limits.jerk,
+        }
+    trajectory: Trajectory = profile(points, **(given | dict(options)))
+    return trajectory
+
+
+def _is_same(one: Trajectory, other: Trajectory) -> bool:
+    f, g = one.position, other.position
+    if not np.array_equal(f.breaks, g.breaks):
+        return False
+    low, high = sorted((f.coefficients, g.coefficients), key=len)
+    difference = high.copy()
+    difference[: len(low)] -= low
+    return bool(np.abs(difference).max() <= _SAME * np.abs(high).max())

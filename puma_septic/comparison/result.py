@@ -1,0 +1,160 @@
+"""Comparison: one row per profile, and who is beaten by nobody."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any, final
+
+import numpy as np
+
+from puma_septic.assessment import Assessment
+from puma_septic.checks import Array, checked_choice
+from puma_septic.comparison.texts import comparison_csv, comparison_document, comparison_html, comparison_text
+from puma_septic.objectives import Objective, non_dominated
+from puma_septic.trajectory import Trajectory
+
+__all__ = ["ComparedProfile", "Comparison"]
+
+# A velocity below this part of the joint's peak is rest.
+_REST = 1e-9
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ComparedProfile:
+    """One profile on the task; arrays have the shape (n_joints,). Computed when asked for and kept (no slots).
+
+    Attributes
+    ----------
+    name : str
+    assessment : Assessment
+        Peaks, root mean squares, torque, energy, violations, tool and singularities.
+    objectives : mapping
+        Values of the objectives that profiles are marked by.
+    """
+
+    name: str
+    assessment: Assessment
+    objectives: Mapping[str, float]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "objectives", MappingProxyType(dict(self.objectives)))
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """The motion itself."""
+        return self.assessment.motion.trajectory
+
+    @property
+    def duration(self) -> float:
+        """Length of the motion, s."""
+        return self.trajectory.duration
+
+    @cached_property
+    def integral_of_squared_jerk(self) -> Array:
+        """rad^2/s^5; infinite where the jerk is unbounded."""
+        jerk = self.trajectory.derivative(3)
+        return np.where(np.isinf(self.assessment.peak_jerk), np.inf, jerk.inner(jerk))
+
+    @cached_property
+    def end_jerk(self) -> Array:
+        """The larger of the jerks at both ends, rad/s^3; infinite where the acceleration steps there."""
+        trajectory = self.trajectory
+        ends = trajectory.breaks[[0, -1]]
+        at_ends = {}
+        for order in (1, 2, 3):
+            jumps = trajectory.jumps(order)
+            sizes = jumps.sizes[np.isin(jumps.times, ends)]
+            at_ends[order] = np.abs(sizes).max(axis=0, initial=0.0)
+        return np.where((at_ends[1] > 0) | (at_ends[2] > 0), np.inf, at_ends[3])
+
+    @cached_property
+    def continuity(self) -> str:
+        """Measured class of the whole motion, rest before and after included; C3 says at least 3."""
+        return f"C{next((k for k in (0, 1, 2) if len(self.trajectory.jumps(k + 1).times)), 3)}"
+
+    @cached_property
+    def stops_at_vias(self) -> bool:
+        """Whether all joints are at rest at every via."""
+        vias = self.trajectory.times[1:-1]
+        speed = np.abs(self.trajectory(vias, order=1))
+        left = np.abs(self.trajectory(np.nextafter(vias, -np.inf), order=1))
+        return len(vias) > 0 and bool((np.maximum(speed, left) <= _REST * self.assessment.peak_velocity.max()).all())
+
+    @property
+    def singularities_crossed(self) -> Mapping[str, int]:
+        """How often each kind of singular posture is crossed, those that are."""
+        reports = self.assessment.tool.singularities
+        return {report.kind: len(report.crossings) for report in reports if len(report.crossings)}
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader must know before choosing this profile."""
+        miss, over = self.trajectory.via_miss, self.trajectory.overshoot
+        names = self.assessment.motion.robot.joint_names
+        notes = []
+        if miss.any():
+            notes.append(f"misses its vias by {miss.max():.2g} rad ({names[int(miss.argmax())]})")
+        if self.stops_at_vias:
+            notes.append("stops at its vias")
+        if over.any():
+            notes.append(f"overshoots by {over.max():.2g} rad ({names[int(over.argmax())]})")
+        if np.isinf(self.assessment.peak_acceleration).any():
+            notes.append("the velocity steps: no arm can follow")
+        elif np.isinf(self.assessment.peak_jerk).any():
+            notes.append("the acceleration steps: unbounded jerk")
+        return tuple(notes)
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Comparison:
+    """Profiles side by side; made by `compare`.
+
+    Attributes
+    ----------
+    points : ndarray, shape (k, n_joints)
+    times : ndarray, shape (k,)
+    profiles : tuple of ComparedProfile
+        From the least to the most continuous, or as asked for.
+    unsuitable : mapping
+        Profile name to the reason.
+    objectives : tuple of Objective
+    """
+
+    points: Array
+    times: Array
+    profiles: tuple[ComparedProfile, ...]
+    unsuitable: Mapping[str, str]
+    objectives: tuple[Objective, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "unsuitable", MappingProxyType(dict(self.unsuitable)))
+
+    def __getitem__(self, name: str) -> ComparedProfile:
+        """The row of a profile."""
+        rows = {row.name: row for row in self.profiles}
+        return rows[checked_choice("compared profile", name, rows)]
+
+    @cached_property
+    def pareto_optimal(self) -> tuple[str, ...]:
+        """Profiles that no other beats in all objectives."""
+        values = np.array([list(row.objectives.values()) for row in self.profiles])
+        return tuple(row.name for row, best in zip(self.profiles, non_dominated(values), strict=True) if best)
+
+    def to_dict(self) -> dict[str, Any]:
+        """A JSON-ready document; numbers in SI units, "unbounded" for infinity, null for what is not known."""
+        return comparison_document(self)
+
+    def to_csv(self) -> str:
+        """One line per profile and joint, after a line for all joints together."""
+        return comparison_csv(self)
+
+    def __str__(self) -> str:
+        return comparison_text(self)
+
+    def _repr_html_(self) -> str:
+        return comparison_html(self)

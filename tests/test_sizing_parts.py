@@ -63,6 +63,12 @@ def test_life_falls_with_the_cube_of_torque_and_with_speed() -> None:
     assert expected_life(7000.0, **rated, average_torque=0.0, average_speed=100.0) == np.inf
 
 
+def test_momentary_peaks_are_counted_by_turns_of_the_wave_generator() -> None:
+    """10^4 / (2 n i t): 30 1/min at the output, ratio 100, 0.2 s are ten turns of the input: 500 times."""
+    assert ps.sizing.allowed_momentary_peaks(30 * 100 * np.pi / 30, 0.2) == pytest.approx(500.0, rel=EXACT)
+    assert ps.sizing.allowed_momentary_peaks(1e-3, 1e-3) == 1e4
+
+
 # ---- winding temperature
 
 

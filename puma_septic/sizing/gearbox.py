@@ -7,14 +7,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import checked_array
+from puma_septic.checks import checked_array, checked_number
 from puma_septic.errors import InputError
 from puma_septic.sizing.loads import JointLoad, stepwise
 
-__all__ = ["average_load_torque", "average_torque", "expected_life"]
+__all__ = ["allowed_momentary_peaks", "average_load_torque", "average_torque", "expected_life"]
 
 # Harmonic Drive, engineering data HFUS-2A p. 19 and CSD-2A p. 20: wear grows with the cube of the torque.
 _EXPONENT: Final = 3.0
+_MOMENTARY_PEAKS: Final = 1e4  # the same data, p. 19
 
 
 def average_torque(torques: ArrayLike, speeds: ArrayLike, durations: ArrayLike) -> float:
@@ -49,6 +50,28 @@ def average_torque(torques: ArrayLike, speeds: ArrayLike, durations: ArrayLike) 
         raise InputError("nothing turns in this cycle: its average torque, weighted by speed, is not defined")
     mean = (travel * np.abs(torque) ** _EXPONENT).sum() / travel.sum()
     return float(mean ** (1 / _EXPONENT))
+
+
+def allowed_momentary_peaks(input_speed: float, duration: float) -> float:
+    """How many momentary peaks a strain-wave gear bears: ``10^4 / (2 turns)``, turns of the input during one peak.
+
+    Harmonic Drive, engineering data HFUS-2A, p. 19; at most 10^4.
+
+    Parameters
+    ----------
+    input_speed : float
+        rad/s.
+    duration : float
+        Of one peak, s.
+
+    Examples
+    --------
+    >>> allowed_momentary_peaks(2 * np.pi * 50, 0.2)
+    500.0
+    """
+    speed = checked_number("input_speed", input_speed, unit="rad/s", above=0.0)
+    turns = speed / (2 * np.pi) * checked_number("duration", duration, unit="s", above=0.0)
+    return float(min(_MOMENTARY_PEAKS / (2 * turns), _MOMENTARY_PEAKS))
 
 
 def average_load_torque(load: JointLoad) -> float:

@@ -285,8 +285,8 @@ class Drive:
     peak_regenerated_power : float
         Electric power that it can take back at most, W; with a brake resistor ``chopper voltage^2 / resistance``.
     storable_energy : float
-        J that its bus takes up before the voltage is too high, ``capacitance (V_max^2 - V_nominal^2) / 2``. Each joint's
-        bus stands alone: energy that joints could share is not counted.
+        J that its bus takes up before the voltage is too high, ``capacitance (V_max^2 - V_nominal^2) / 2``. Each
+        joint's bus stands alone: energy that joints could share is not counted.
     brake_resistor_power : float
         W that its brake resistor bears continuously; unknown also where there is none.
     mass, cost : float

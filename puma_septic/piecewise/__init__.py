@@ -2,5 +2,6 @@
 
 from puma_septic.piecewise.function import Piecewise
 from puma_septic.piecewise.results import Extrema, Jumps
+from puma_septic.piecewise.sampling import sampled
 
-__all__ = ["Extrema", "Jumps", "Piecewise"]
+__all__ = ["Extrema", "Jumps", "Piecewise", "sampled"]

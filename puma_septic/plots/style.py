@@ -16,7 +16,7 @@ from matplotlib.ticker import MaxNLocator
 
 from puma_septic.checks import Array
 from puma_septic.errors import InputError
-from puma_septic.piecewise import Piecewise
+from puma_septic.piecewise import sampled
 
 __all__ = [
     "DPI",
@@ -48,8 +48,6 @@ _DASHES: Final = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)), 
 LIMIT: Final[dict[str, Any]] = {"color": "black", "linewidth": 0.9, "linestyle": (0, (4, 2))}
 # 9 inches wide are then 900 pixels.
 DPI: Final = 100
-# Instants drawn per span, and the fewest per interval.
-_SAMPLES, _LEAST_SAMPLES = 480, 16
 # A limit this many times further out than the data would flatten the curves; it is written instead of drawn.
 _FAR: Final = 2.2
 # In characters of the legend's font: what fits above a figure, and what a line sample with its gaps takes.
@@ -127,18 +125,6 @@ def tidy(panel: Axes, *, x: str = "time [s]", y: str = "", ticks: int = 5) -> No
     panel.grid(True, color="0.9", linewidth=0.6)
     panel.set_axisbelow(True)
     panel.margins(x=0.02)
-
-
-def sampled(function: Piecewise) -> tuple[Array, Array]:
-    """Instants (k,) and values (k, m) to draw; each break occurs twice, with the values of both its sides."""
-    counts = np.maximum(_LEAST_SAMPLES, np.ceil(_SAMPLES * np.diff(function.breaks) / function.duration)).astype(int)
-    left, right = function.ends()
-    times, values = [], []
-    for i, count in enumerate(counts):
-        t = np.linspace(function.breaks[i], function.breaks[i + 1], count)
-        times.append(t)
-        values.append(np.vstack([left[i], function(t[1:-1]), right[i]]))
-    return np.concatenate(times), np.concatenate(values)
 
 
 def draw_curve(panel: Axes, t: Array, values: Array, k: int, label: str) -> None:

@@ -32,9 +32,11 @@ def fit_series(f: Callable[[Array], Array], breaks: Array, tolerance: float) -> 
     scale, noisy = np.zeros(1), np.zeros(1, dtype=np.bool_)
     n_samples = 0
     while len(pending):
-        values = _sample(f, pending, matrices.nodes(_DEGREES[0]))
-        for degree in _DEGREES:
-            if degree != _DEGREES[0]:
+        # A round costs more than the samples of a single interval.
+        degrees = _DEGREES[1:] if len(pending) == 1 else _DEGREES
+        values = _sample(f, pending, matrices.nodes(degrees[0]))
+        for degree in degrees:
+            if degree != degrees[0]:
                 values = _refined(f, pending, values, degree)
             scale = np.maximum(scale, np.abs(values).max(axis=(0, 1)))
             series = np.tensordot(matrices.coefficients_from_values(degree), values, 1)

@@ -125,9 +125,9 @@ def _bisected_zeros(series: Array, slope_series: Array, cell: Array, rising: Fla
 def _value_and_slope(series: Array, slope_series: Array, x: Array) -> tuple[Array, Array]:
     """Value and slope of each series (column) at its own point; a slope of zero is made a tiny one."""
     basis = matrices.basis_at(x, len(series) - 1)
-    slope = np.einsum("dk,dk->k", basis[: len(slope_series)], slope_series)
+    slope = (basis[: len(slope_series)] * slope_series).sum(axis=0)
     slope[slope == 0] = np.finfo(np.float64).tiny ** 0.5
-    return np.einsum("dk,dk->k", basis, series), slope
+    return (basis * series).sum(axis=0), slope
 
 
 def _values_at(series: Array, x: Array) -> Array:

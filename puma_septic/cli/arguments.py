@@ -45,6 +45,7 @@ def parse(argv: Sequence[str] | None) -> Namespace:
     _add_assess(_command(commands, "assess", "torque, jerk and limits of a task's profiles", _ASSESS))
     _add_ik(_command(commands, "ik", "branches of the inverse kinematics", _IK))
     _add_paper(_command(commands, "paper", "the paper's tables, figures and claims, reproduced and judged", _PAPER))
+    _add_replay(_command(commands, "replay", "the arm in motion, in the browser or as one HTML file", _REPLAY))
     # argparse takes -1e-3 for an option (before Python 3.14); after a space it is a value, and the same number.
     given = sys.argv[1:] if argv is None else argv
     return parser.parse_args([f" {text}" if _NEGATIVE.fullmatch(text) else text for text in given])
@@ -63,6 +64,11 @@ Exit code: 0 each pose has a branch within the joint limits, 1 one has none, 2 b
 _PAPER = (
     """Reproduce the paper's tables, figures and computing times, and judge each of its claims by measured numbers."""
 )
+
+_REPLAY = """Show the profiles of a task as an arm that moves: the first one solid, further ones as ghosts.
+
+Links are coloured by torque over limit, the tool's path by its speed; broken limits and singular postures are marked.
+Without --html it is served to browsers on this machine until Ctrl-C. Exit code: 0 shown or written, 2 bad input."""
 
 
 def _command(commands: object, name: str, summary: str, description: str) -> ArgumentParser:
@@ -118,6 +124,20 @@ def _add_ik(parser: ArgumentParser) -> None:
 def _add_paper(parser: ArgumentParser) -> None:
     parser.add_argument("--format", choices=("text", "json"), default="text", help="of what is printed")
     parser.add_argument("--out", metavar="DIR", help="write JSON and figures into a new folder; nothing is overwritten")
+
+
+def _add_replay(parser: ArgumentParser) -> None:
+    _add_task(parser)
+    parser.add_argument(
+        "--profile",
+        action="append",
+        metavar="NAME",
+        help="only this profile, with the task's options if it has some (repeatable; the first one is solid)",
+    )
+    parser.add_argument("--payload", type=_not_negative, metavar="KG", help="a point mass at the tool's origin")
+    parser.add_argument("--html", metavar="FILE", help="write one HTML file, which works offline, instead of serving")
+    parser.add_argument("--port", type=int, metavar="N", help="wanted; another is chosen where it is taken")
+    parser.add_argument("--no-browser", action="store_true", help="print the address without opening a browser")
 
 
 def _add_task(parser: ArgumentParser) -> None:

@@ -228,6 +228,7 @@
     const script = document.createElement("script");
     script.textContent = new TextDecoder().decode(code);
     document.head.append(script);
+    window.onmessage = null;  // a recorder in there takes every message for its own
     viewer = started(scene);
   } catch (error) {
     byId("problem").hidden = false;

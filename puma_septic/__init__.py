@@ -15,6 +15,7 @@ __version__ = "0.1.0"
 _HOMES: Final = {
     "Actuator": "robot",
     "Assessment": "assessment",
+    "Catalogue": "drives",
     "Cycle": "cycle",
     "Drive": "drives",
     "Drivetrain": "drives",
@@ -37,6 +38,7 @@ _HOMES: Final = {
     "Wrench": "robot",
     "assess": "assessment",
     "assess_task": "task",
+    "built_in_catalogue": "drives",
     "compute_motion": "motion",
     "cycle": "cycle",
     "fit_residual": "profiles.logged",
@@ -46,6 +48,7 @@ _HOMES: Final = {
     "inverse_kinematics": "kinematics",
     "inverse_kinematics_batch": "kinematics",
     "jacobian": "kinematics",
+    "load_catalogue": "drives",
     "load_drivetrains": "drives",
     "load_robot": "robot",
     "load_task": "task",
@@ -79,11 +82,14 @@ if TYPE_CHECKING:
     from puma_septic.assessment import assess as assess
     from puma_septic.cycle import Cycle as Cycle
     from puma_septic.cycle import Dwell as Dwell
+    from puma_septic.drives import Catalogue as Catalogue
     from puma_septic.drives import Drive as Drive
     from puma_septic.drives import Drivetrain as Drivetrain
     from puma_septic.drives import Friction as Friction
     from puma_septic.drives import Gearbox as Gearbox
     from puma_septic.drives import Motor as Motor
+    from puma_septic.drives import built_in_catalogue as built_in_catalogue
+    from puma_septic.drives import load_catalogue as load_catalogue
     from puma_septic.drives import load_drivetrains as load_drivetrains
     from puma_septic.drives import own_drivetrains as own_drivetrains
     from puma_septic.dynamics import inverse_dynamics as inverse_dynamics

@@ -278,6 +278,36 @@ def test_a_small_step_is_one(seed: int, part: float) -> None:
     np.testing.assert_allclose(jumps.sizes, [[-part]], rtol=1e-6)
 
 
+def test_a_jerk_step_within_a_high_degree_on_a_short_interval_is_seen() -> None:
+    """Once the bound grew with the degree's sixth power, whatever the coefficients: 7 rad/s^3 at degree 64 in 0.1 s."""
+    series = 0.3 * 0.6 ** np.arange(65.0)
+    smooth = ps.Piecewise(breaks=[0.0, 0.2], coefficients=series[:, None, None]).split([0.1])
+    cubic = np.zeros((4, 2, 1))
+    cubic[3, 1] = 5.0 / 6 * 0.1**3
+    step = ps.Piecewise.from_power(smooth.breaks, cubic)
+    for position, expected in ((smooth, []), (smooth + step, [0.1])):
+        move = ps.Trajectory(position=position, points=position([0.0]), times=[0.0])
+        jumps = move.jumps(3)
+        inside = (jumps.times > 0) & (jumps.times < 0.2)
+        assert jumps.times[inside].tolist() == expected
+        # The noise that resampling leaves, measured 0.2.
+        np.testing.assert_allclose(jumps.sizes[inside].ravel(), np.full(len(expected), 5.0), atol=0.4)
+
+
+@pytest.mark.parametrize("name", ["bang_bang", "modified_sine", "bspline_control", "septic_spline"])
+@given(seed=seeds, late=st.sampled_from([0.0, 30.0, 1e3]), length=st.sampled_from([1e-3, 1.0, 1e4]))
+@hypothesis_settings(max_examples=15)
+def test_rounding_is_no_step_however_late_or_short(name: str, seed: int, late: float, length: float) -> None:
+    """What a profile promises to be continuous is, also for tiny moves far from zero."""
+    rng = np.random.default_rng(seed)
+    times = late + length * np.array([0.0, *np.cumsum(rng.uniform(0.3, 1.5, 5))])
+    points = rng.uniform(-3, 3) + 10.0 ** rng.uniform(-6, 0) * rng.uniform(-1, 1, (6, 3))
+    move = getattr(ps.profiles, name)(points, times)
+    promised = next(info.continuity for info in ps.profiles.available() if info.name == name)
+    for order in range(1, min(3, int(promised[1])) + 1):
+        assert len(move.jumps(order).times) == 0
+
+
 # --- beyond the points ------------------------------------------------------------------------------------------
 
 

@@ -17,6 +17,7 @@ __all__ = [
     "basis_at",
     "coefficients_from_values",
     "derivative_matrix",
+    "end_derivatives",
     "from_power_matrix",
     "gram_matrix",
     "grid",
@@ -111,6 +112,17 @@ def gram_matrix(degree: int) -> Array:
 def signs(degree: int) -> Array:
     """``T_k(-1) = (-1)^k``, shape (degree + 1,)."""
     return _shared(np.resize([1.0, -1.0], degree + 1))
+
+
+@lru_cache(maxsize=256)
+def end_derivatives(degree: int) -> Array:
+    """``T_k^(r)(1) = prod (k^2 - i^2) / (2 i + 1)`` over i < r, for r = 0 to 3, shape (4, degree + 1).
+
+    At -1 the signs are ``(-1)^(k + r)``.
+    """
+    k = np.arange(degree + 1.0)
+    factors = [np.ones_like(k), *((k**2 - i**2) / (2 * i + 1) for i in range(3))]
+    return _shared(np.cumprod(factors, axis=0))
 
 
 @lru_cache(maxsize=256)

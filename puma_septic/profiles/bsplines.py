@@ -85,8 +85,8 @@ def bspline_control(
 
     ``q(t) = sum_i N_i(t) P_i``; the first and last point count `degree` times, so that the curve starts and
     ends there at rest, with all its continuous derivatives zero; knots are averages of the times as in
-    `bspline` (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots
-    and appendix B). It misses the vias between, smooths the corners there and never leaves the hull of the
+    `bspline` (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots,
+    appendix B). It misses the vias between, smooths the corners there and never leaves the hull of the
     points. Continuous to the second or fourth derivative.
 
     Parameters
@@ -141,16 +141,17 @@ def _breaks(sites: Array, degree: int) -> Array:
 
 
 def _from_control_points(control: Array, breaks: Array, degree: int) -> Piecewise:
-    """The B-spline on simple inner knots and full end knots, by de Boor's recursion at the nodes of each
-    interval.
+    """The B-spline on simple inner knots and full end knots, by de Boor's recursion at each interval's nodes.
 
     Relative to the first control point, so that a joint that does not move has coefficients that are exactly
     zero.
     """
-    knots = np.concatenate([np.repeat(breaks[0], degree), breaks, np.repeat(breaks[-1], degree)])
-    interval = np.arange(len(breaks) - 1)
+    # Relative to the start as well: rounding of a late time would be seen in the jerk.
+    own = breaks - breaks[0]
+    knots = np.concatenate([np.repeat(own[0], degree), own, np.repeat(own[-1], degree)])
+    interval = np.arange(len(own) - 1)
     x = matrices.nodes(degree)[:, None]
-    t = (breaks[:-1] * (1 - x) + breaks[1:] * (1 + x)) / 2
+    t = (own[:-1] * (1 - x) + own[1:] * (1 + x)) / 2
     d = [np.broadcast_to((control - control[0])[interval + j], (*t.shape, control.shape[1])) for j in range(degree + 1)]
     for r in range(1, degree + 1):
         for j in range(degree, r - 1, -1):

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from puma_septic.checks import Array, read_only
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
-from puma_septic.piecewise.matrices import basis_at
+from puma_septic.piecewise.matrices import basis_at, end_derivatives, signs
 from puma_septic.profiles.points import boundary, checked_points, checked_via_times, named
 from puma_septic.trajectory import Trajectory
 
@@ -95,8 +95,6 @@ def interpolating_series(points: Array, times: Array, ends: Sequence[Array]) -> 
 @lru_cache(maxsize=16)
 def _end_conditions(degree: int) -> Array:
     """First derivative of the basis at x = -1 and 1, then the second, shape (4, degree + 1)."""
-    k = np.arange(degree + 1.0)
-    # T_k'(1) = k^2, T_k''(1) = k^2 (k^2 - 1) / 3; at -1 with alternating signs.
-    slope, curvature = k**2, k**2 * (k**2 - 1) / 3
-    sign = (-1.0) ** k
+    _, slope, curvature, _ = end_derivatives(degree)
+    sign = signs(degree)
     return read_only([-sign * slope, slope, sign * curvature, curvature])

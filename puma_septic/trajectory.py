@@ -191,7 +191,7 @@ class Trajectory:
         return np.where(never, extrema.peak, np.inf), np.where(never, extrema.t_peak, unbounded)
 
     def _jump_tolerance(self) -> Array:
-        """Per break and component of `state`: a part of its largest value, or what rounding makes of zero if that is more.
+        """Per break and component of `state`: a part of its largest value, or what rounding makes of zero if more.
 
         A coefficient that is off by d moves derivative r at an end by ``d T_n^(r)(1) (2/h)^r``. It is off by roundings
         of itself, as many more as the interval is shorter than the time is late, and by those of the position where

@@ -16,6 +16,7 @@ _HOMES: Final = {
     "Actuator": "robot",
     "Assessment": "assessment",
     "Catalogue": "drives",
+    "Comparison": "comparison",
     "Cycle": "cycle",
     "Drive": "drives",
     "Drivetrain": "drives",
@@ -39,6 +40,7 @@ _HOMES: Final = {
     "assess": "assessment",
     "assess_task": "task",
     "built_in_catalogue": "drives",
+    "compare": "comparison",
     "compute_motion": "motion",
     "cycle": "cycle",
     "fit_residual": "profiles.logged",
@@ -48,13 +50,16 @@ _HOMES: Final = {
     "inverse_kinematics": "kinematics",
     "inverse_kinematics_batch": "kinematics",
     "jacobian": "kinematics",
+    "least_time": "optimisation",
     "load_catalogue": "drives",
     "load_drivetrains": "drives",
     "load_robot": "robot",
     "load_task": "task",
     "lspb": "profiles",
+    "optimise_via_times": "optimisation",
     "own_drivetrains": "drives",
     "paper": "paper",
+    "pareto_front": "optimisation",
     "plots": "plots",
     "profiles": "profiles",
     "quintic_segments": "profiles",
@@ -80,6 +85,8 @@ if TYPE_CHECKING:
     from puma_septic import sizing as sizing
     from puma_septic.assessment import Assessment as Assessment
     from puma_septic.assessment import assess as assess
+    from puma_septic.comparison import Comparison as Comparison
+    from puma_septic.comparison import compare as compare
     from puma_septic.cycle import Cycle as Cycle
     from puma_septic.cycle import Dwell as Dwell
     from puma_septic.drives import Catalogue as Catalogue
@@ -105,6 +112,9 @@ if TYPE_CHECKING:
     from puma_septic.kinematics import tool_motion as tool_motion
     from puma_septic.motion import Motion as Motion
     from puma_septic.motion import compute_motion as compute_motion
+    from puma_septic.optimisation import least_time as least_time
+    from puma_septic.optimisation import optimise_via_times as optimise_via_times
+    from puma_septic.optimisation import pareto_front as pareto_front
     from puma_septic.piecewise import Piecewise as Piecewise
     from puma_septic.profiles import lspb as lspb
     from puma_septic.profiles import quintic_segments as quintic_segments

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from puma_septic.assessment import Assessment, assess
 from puma_septic.checks import Array, checked_choice
 from puma_septic.errors import InputError
+from puma_septic.motion import Motion, compute_motion
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
@@ -44,8 +45,8 @@ class Candidate:
     dwell: float = 0.0
 
     @cached_property
-    def assessment(self) -> Assessment:
-        """The motion held against its limits.
+    def motion(self) -> Motion:
+        """The robot on the trajectory.
 
         Raises
         ------
@@ -54,7 +55,12 @@ class Candidate:
         """
         if self.robot is None:
             raise InputError("torque, energy and limits need a robot: give robot=...")
-        return assess(self.robot, self.trajectory, dwell=self.dwell)
+        return compute_motion(self.robot, self.trajectory)
+
+    @cached_property
+    def assessment(self) -> Assessment:
+        """The motion held against its limits."""
+        return assess(self.motion, dwell=self.dwell)
 
 
 @final
@@ -158,7 +164,7 @@ def _peak(order: int) -> Callable[[Candidate], Array]:
 
 
 def _torque_use(candidate: Candidate) -> Array:
-    motion = candidate.assessment.motion
+    motion = candidate.motion
     limit = motion.robot.limits.effort
     unknown = np.isnan(limit)
     if unknown.any():

@@ -1,0 +1,82 @@
+"""By how much a motion exceeds what it must keep."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from puma_septic.checks import Array, checked_array, checked_choice
+from puma_septic.errors import InputError
+from puma_septic.objectives import Candidate
+from puma_septic.piecewise import Extrema
+from puma_septic.robot import Robot
+
+__all__ = ["Excess", "excess_function"]
+
+Excess = Callable[[Candidate], Array]
+
+_ORDERS: Final = {"velocity": 1, "acceleration": 2, "jerk": 3}
+LIMITS: Final = ("position", *_ORDERS, "effort")
+
+
+def excess_function(
+    robot: Robot | None, n_joints: int, *, max_overshoot: ArrayLike | None, keep: Sequence[str]
+) -> Excess:
+    """A function of a candidate: excess of each constraint, wanted at most 0; in rad, or as a share of the limit.
+
+    Raises
+    ------
+    InputError
+        For an unknown quantity, a limit that is known for no joint, or limits without a robot.
+    """
+    checks: list[Excess] = []
+    if max_overshoot is not None:
+        shape = () if np.ndim(max_overshoot) == 0 else (n_joints,)
+        bound = checked_array("max_overshoot", max_overshoot, shape, unit="rad")
+        if not (bound >= 0).all():
+            raise InputError("max_overshoot must not be negative, in rad")
+        checks.append(lambda candidate: _beyond_hull(candidate, bound))
+    quantities = (keep,) if isinstance(keep, str) else tuple(keep)
+    for quantity in quantities:
+        checks.append(_limit_check(robot, checked_choice("limit to keep", quantity, LIMITS)))
+    return lambda candidate: np.concatenate([np.zeros(0), *(check(candidate) for check in checks)])
+
+
+def _beyond_hull(candidate: Candidate, bound: Array) -> Array:
+    trajectory = candidate.trajectory
+    reach = trajectory.extrema(0)
+    above, below = reach.max - trajectory.points.max(axis=0), trajectory.points.min(axis=0) - reach.min
+    return np.concatenate([above - bound, below - bound])
+
+
+def _limit_check(robot: Robot | None, quantity: str) -> Excess:
+    if robot is None:
+        raise InputError(f"to keep the limits of {quantity}, the robot is needed: give robot=...")
+    limit = getattr(robot.limits, quantity)
+    if np.isnan(limit).all():
+        raise InputError(
+            f"no {quantity} limit of robot {robot.name!r} is known; give them by robot.with_limits({quantity}=...)"
+        )
+    if quantity == "position":
+        return lambda candidate: _beyond_positions(candidate, limit)
+    if quantity == "effort":
+        return lambda candidate: _beyond(candidate.motion.torque.extrema(), limit)
+    order = _ORDERS[quantity]
+    return lambda candidate: _beyond(candidate.trajectory.extrema(order), limit)
+
+
+def _beyond_positions(candidate: Candidate, limit: Array) -> Array:
+    reach = candidate.trajectory.extrema(0)
+    return _known(np.concatenate([limit[:, 0] - reach.min, reach.max - limit[:, 1]]))
+
+
+def _beyond(reach: Extrema, limit: Array) -> Array:
+    return _known(np.concatenate([reach.max / limit, -reach.min / limit]) - 1)
+
+
+def _known(excess: Array) -> Array:
+    """An unknown limit is never exceeded."""
+    return np.where(np.isnan(excess), -1.0, excess)

@@ -64,9 +64,7 @@ def test_names_that_no_file_has(tmp_path: Path) -> None:
         load(tmp_path, ARM, DRIVES, parameters="old")
     with pytest.raises(ps.InputError, match=r"unknown limits of arm\.toml 'akb'; valid: 'amplifier'"):
         load(tmp_path, ARM, DRIVES, limits="akb")
-    with pytest.raises(
-        ps.InputError, match="parameters 'rtb': there are no named sets without an actuator file"
-    ):
+    with pytest.raises(ps.InputError, match="parameters 'rtb': there are no named sets without an actuator file"):
         load(tmp_path, parameters="rtb")
     with pytest.raises(ps.InputError, match="limits 'akb': there are no named sets without an actuator file"):
         load(tmp_path, limits="akb")
@@ -173,3 +171,20 @@ def test_pumas_akb_set_moves_link_4_and_the_wrist(puma: ps.Robot) -> None:
     assert puma.model.jointPlacements[5].translation.tolist() == [0.0, 0.0, 0.4318]
     assert puma.model.inertias[4].lever == pytest.approx([0.0, 0.0, 0.4508], rel=1e-15)
     assert puma.bare_model.inertias[5].mass == akb.bare_model.inertias[5].mass
+
+
+def test_a_joint_of_the_puma_can_be_locked() -> None:
+    """The actuator file of the whole arm was once refused, because it names the joint that no longer moves."""
+    robot = ps.load_robot(locked={"joint2": 0.3, "joint6": 0.0})
+    whole = ps.load_robot()
+    assert robot.joint_names == ("joint1", "joint3", "joint4", "joint5")
+    kept = [0, 2, 3, 4]
+    np.testing.assert_array_equal(robot.limits.effort, whole.limits.effort[kept])
+    np.testing.assert_array_equal(robot.armature, whole.armature[kept])
+    q, v, a = np.random.default_rng(0).uniform(-1, 1, (3, 4))
+    full = np.zeros((3, 6))
+    full[:, kept] = q, v, a
+    full[0, 1] = 0.3
+    expected = ps.inverse_dynamics(whole, *full)[kept]
+    # Rounding of the locked joints' rotations: some roundings of 40 N m.
+    np.testing.assert_allclose(ps.inverse_dynamics(robot, q, v, a), expected, rtol=0, atol=1e-12)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
@@ -61,8 +61,8 @@ class ActuatorFile:
     parameters: dict[str, Any]
     limits: dict[str, Any]
 
-    def parameter_set(self, name: str | None, joint_names: Sequence[str]) -> ParameterSet:
-        """The named set (None: the file's default) for exactly these joints.
+    def parameter_set(self, name: str | None, joint_names: Sequence[str], locked: Iterable[str] = ()) -> ParameterSet:
+        """The named set (None: the file's default) for exactly these joints; it may have locked ones as well.
 
         Raises
         ------
@@ -71,14 +71,12 @@ class ActuatorFile:
         ModelError
             For a joint that the set lacks or that the arm does not have, or a value that is none.
         """
-        chosen = checked_choice(
-            f"parameters of {self.path.name}", name or self.default_parameters, self.parameters
-        )
+        chosen = checked_choice(f"parameters of {self.path.name}", name or self.default_parameters, self.parameters)
         where = f"{self.path}, [parameters.{chosen}]"
         data = _table(self.parameters[chosen], where, ("source", "note", "joints", "links", "origins"))
         source = _text(data, "source", where)
         note = _text(data, "note", where)
-        drives = _table(data.get("joints", {}), f"{where} joints", joint_names, kind="joint")
+        drives = _table(data.get("joints", {}), f"{where} joints", [*joint_names, *locked], kind="joint")
         for joint in joint_names:
             if joint not in drives:
                 raise ModelError(
@@ -87,14 +85,14 @@ class ActuatorFile:
         return ParameterSet(
             name=chosen,
             notes=(f"parameters {chosen!r}: {source}", *([note] if note else [])),
-            actuators={
-                joint: _actuator(drives[joint], f"{where} joint {joint!r}", source) for joint in joint_names
-            },
+            actuators={joint: _actuator(drives[joint], f"{where} joint {joint!r}", source) for joint in joint_names},
             link_coms=_vectors(data.get("links", {}), "com", f"{where} links"),
             joint_origins=_vectors(data.get("origins", {}), "xyz", f"{where} origins"),
         )
 
-    def limit_set(self, name: str | None, urdf: Limits, joint_names: Sequence[str]) -> Limits:
+    def limit_set(
+        self, name: str | None, urdf: Limits, joint_names: Sequence[str], locked: Iterable[str] = ()
+    ) -> Limits:
         """The named set (None: the file's default); positions are the URDF's unless the set has them.
 
         A quantity or joint that the set does not name is unknown (NaN).
@@ -107,16 +105,14 @@ class ActuatorFile:
         values = {key: np.full(len(joint_names), np.nan) for key in QUANTITIES}
         position = np.array(urdf.position)
         for key in ("position", *QUANTITIES):
-            given = _table(data.get(key, {}), f"{where} {key}", joint_names, kind="joint")
+            given = _table(data.get(key, {}), f"{where} {key}", [*joint_names, *locked], kind="joint")
             for joint, value in given.items():
+                if joint not in joint_names:
+                    continue
                 if key == "position":
-                    position[joint_names.index(joint)] = _numbers(
-                        value, f"{where} position of joint {joint!r}", (2,)
-                    )
+                    position[joint_names.index(joint)] = _numbers(value, f"{where} position of joint {joint!r}", (2,))
                 else:
-                    values[key][joint_names.index(joint)] = _numbers(
-                        value, f"{where} {key} of joint {joint!r}", ()
-                    )
+                    values[key][joint_names.index(joint)] = _numbers(value, f"{where} {key} of joint {joint!r}", ())
         try:
             return Limits(position=position, source=f"{chosen}: {_text(data, 'source', where)}", **values)
         except InputError as error:
@@ -171,9 +167,7 @@ def _actuator(value: object, where: str, source: str) -> Actuator:
     if "gear_ratio" not in data:
         raise ModelError(f"{where}: gear_ratio is missing")
     if ("rotor_inertia" in data) == ("armature" in data):
-        raise ModelError(
-            f"{where}: exactly one of rotor_inertia (motor side) and armature (joint side) must be given"
-        )
+        raise ModelError(f"{where}: exactly one of rotor_inertia (motor side) and armature (joint side) must be given")
     ratio = float(_numbers(data["gear_ratio"], f"{where} gear_ratio", ()))
     if ratio == 0.0:
         raise ModelError(f"{where}: gear_ratio = 0: the ratio of motor speed to joint speed cannot be zero")
@@ -194,9 +188,7 @@ def _actuator(value: object, where: str, source: str) -> Actuator:
         raise ModelError(f"{where}: {error}") from error
 
 
-def _table(
-    value: object, where: str, keys: Sequence[str] | None = None, *, kind: str = "key"
-) -> dict[str, Any]:
+def _table(value: object, where: str, keys: Sequence[str] | None = None, *, kind: str = "key") -> dict[str, Any]:
     """A TOML table that has none but these keys."""
     if not isinstance(value, dict):
         raise ModelError(f"{where}: expected a table, got {value!r}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -90,13 +90,13 @@ def load_robot(
     urdf_path, actuator_path = _paths(source, actuators)
     urdf = checked_urdf(read_urdf(urdf_path), positions)
     file = None if actuator_path is None else read_actuator_file(actuator_path, urdf.name)
-    drives = _parameter_set(file, parameters, urdf)
+    drives = _parameter_set(file, parameters, urdf, positions)
     _apply(drives, urdf, actuator_path)
     for name, position in positions.items():
         _lock(urdf, name, position)
     model = _pinocchio_model(urdf, down)
     geometry, missing_meshes = confined_geometry(urdf, package_dirs)
-    chosen_limits, limit_notes = _limits(file, limits, urdf)
+    chosen_limits, limit_notes = _limits(file, limits, urdf, positions)
     chosen_tool, tool_notes = _tool(tool, file, urdf)
     robot = Robot(
         name=urdf.name,
@@ -134,16 +134,12 @@ def _data_folder() -> Path:
     return inside if inside.is_dir() else package.parent / "urdf"
 
 
-def _parameter_set(file: ActuatorFile | None, name: str | None, urdf: Urdf) -> ParameterSet:
+def _parameter_set(file: ActuatorFile | None, name: str | None, urdf: Urdf, locked: Iterable[str]) -> ParameterSet:
     if file is not None:
-        return file.parameter_set(name, urdf.moving)
+        return file.parameter_set(name, urdf.moving, locked)
     if name is not None:
-        raise InputError(
-            f"parameters {name!r}: there are no named sets without an actuator file (actuators=...)"
-        )
-    note = (
-        "no actuator file: rotor inertia and friction are unknown, not in the torques; <dynamics> is not used"
-    )
+        raise InputError(f"parameters {name!r}: there are no named sets without an actuator file (actuators=...)")
+    note = "no actuator file: rotor inertia and friction are unknown, not in the torques; <dynamics> is not used"
     return ParameterSet(
         name="",
         notes=(note,),
@@ -153,12 +149,14 @@ def _parameter_set(file: ActuatorFile | None, name: str | None, urdf: Urdf) -> P
     )
 
 
-def _limits(file: ActuatorFile | None, name: str | None, urdf: Urdf) -> tuple[Limits, tuple[str, ...]]:
+def _limits(
+    file: ActuatorFile | None, name: str | None, urdf: Urdf, locked: Iterable[str]
+) -> tuple[Limits, tuple[str, ...]]:
     """The named set, else the actuator file's default, else the URDF's own with what is unknown there."""
     own, notes = _urdf_limits(urdf)
     if file is None and name is not None:
         raise InputError(f"limits {name!r}: there are no named sets without an actuator file (actuators=...)")
-    chosen = own if file is None else file.limit_set(name, own, urdf.moving)
+    chosen = own if file is None else file.limit_set(name, own, urdf.moving, locked)
     return chosen, notes if chosen is own else ()
 
 
@@ -183,9 +181,7 @@ def _lock(urdf: Urdf, name: str, position: float) -> None:
     if limit is not None and element.get("type") != "continuous":
         lower, upper = float(limit.get("lower", "0")), float(limit.get("upper", "0"))
         if not lower <= position <= upper:
-            raise InputError(
-                f"locked[{name!r}] = {position:g} is outside the joint's limits [{lower:g}, {upper:g}]"
-            )
+            raise InputError(f"locked[{name!r}] = {position:g} is outside the joint's limits [{lower:g}, {upper:g}]")
     axis = vector(element.find("axis"), "xyz", (1.0, 0.0, 0.0))
     axis = axis / np.linalg.norm(axis)
     origin = element.find("origin")
@@ -262,7 +258,5 @@ def _tool(tool: str | None, file: ActuatorFile | None, urdf: Urdf) -> tuple[str,
     longest = max(map(length, ends))
     candidates = [link for link in ends if length(link) == longest]
     others = f" (as long: {', '.join(candidates[:-1])})" if len(candidates) > 1 else ""
-    note = (
-        f"tool frame {candidates[-1]!r}: the last link of the longest chain{others}; pass tool= for another"
-    )
+    note = f"tool frame {candidates[-1]!r}: the last link of the longest chain{others}; pass tool= for another"
     return candidates[-1], (note,)

@@ -86,9 +86,7 @@ def _table(headers: Sequence[str], rows: Sequence[Sequence[Cell]], layout: str) 
     columns = zip(*texts, strict=True) if texts else ([] for _ in headers)
     sides = ["right" if column and all(map(_is_number, column)) else "left" for column in columns]
     # tabulate 0.9 knows no columns where there are no rows.
-    return str(
-        tabulate(texts, headers, tablefmt=layout, colalign=sides if rows else (), disable_numparse=True)
-    )
+    return str(tabulate(texts, headers, tablefmt=layout, colalign=sides if rows else (), disable_numparse=True))
 
 
 def _text(cell: Cell) -> str:

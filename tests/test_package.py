@@ -54,14 +54,9 @@ def test_type_checker_and_interpreter_see_the_same_names() -> None:
     tree = ast.parse(_INIT.read_text(encoding="utf-8"))
     guarded = next(node for node in tree.body if isinstance(node, ast.If))
     seen = {
-        alias.asname: node.module
-        for node in guarded.body
-        if isinstance(node, ast.ImportFrom)
-        for alias in node.names
+        alias.asname: node.module for node in guarded.body if isinstance(node, ast.ImportFrom) for alias in node.names
     }
-    homes = {
-        name: "puma_septic" if name == home else f"puma_septic.{home}" for name, home in ps._HOMES.items()
-    }
+    homes = {name: "puma_septic" if name == home else f"puma_septic.{home}" for name, home in ps._HOMES.items()}
     assert seen == homes
 
 

@@ -26,9 +26,7 @@ def test_ur5() -> None:
     assert robot.joint_names[:3] == ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint")
     assert robot.limits.effort.tolist() == [150.0, 150.0, 150.0, 28.0, 28.0, 28.0]  # as its URDF has them
     assert robot.missing_meshes == ()
-    assert any(
-        "tool frame 'tool0': the last link of the longest chain (as long: ee_link)" in n for n in robot.notes
-    )
+    assert any("tool frame 'tool0': the last link of the longest chain (as long: ee_link)" in n for n in robot.notes)
     assert robot.visual_model.ngeoms == 7
 
 
@@ -48,9 +46,7 @@ def test_panda_with_locked_fingers_is_pinocchios_reduced_model() -> None:
 
 
 def test_panda_with_its_mimicking_finger_is_refused() -> None:
-    with pytest.raises(
-        ps.ModelError, match="'panda_finger_joint2': a joint that mimics 'panda_finger_joint1'"
-    ):
+    with pytest.raises(ps.ModelError, match="'panda_finger_joint2': a joint that mimics 'panda_finger_joint1'"):
         ps.load_robot(PANDA)
 
 
@@ -69,9 +65,7 @@ def test_locked_revolute_joint_keeps_its_angle_and_its_inertia(tmp_path: Path) -
     )
     free, locked = load(tmp_path, text), load(tmp_path, text, locked={"shoulder": 0.7})
     assert locked.joint_names == ("elbow",)
-    assert ps.forward_kinematics(locked, [0.4]) == pytest.approx(
-        ps.forward_kinematics(free, [0.7, 0.4]), abs=1e-15
-    )
+    assert ps.forward_kinematics(locked, [0.4]) == pytest.approx(ps.forward_kinematics(free, [0.7, 0.4]), abs=1e-15)
     expected = ps.inverse_dynamics(free, [0.7, 0.4], [0.0, 2.0], [0.0, 3.0])[1]
     assert ps.inverse_dynamics(locked, [0.4], [2.0], [3.0])[0] == pytest.approx(expected, rel=1e-13)
 
@@ -86,9 +80,7 @@ def test_locked_prismatic_joint_keeps_its_place(tmp_path: Path) -> None:
 def test_what_cannot_be_locked(tmp_path: Path) -> None:
     with pytest.raises(ps.InputError, match="unknown joint to lock 'mount'; valid: 'shoulder', 'elbow'"):
         load(tmp_path, locked={"mount": 0.0})
-    with pytest.raises(
-        ps.InputError, match=r"locked\['elbow'\] = 3 is outside the joint's limits \[-2.5, 2.5\]"
-    ):
+    with pytest.raises(ps.InputError, match=r"locked\['elbow'\] = 3 is outside the joint's limits \[-2.5, 2.5\]"):
         load(tmp_path, locked={"elbow": 3.0})
     with pytest.raises(ps.InputError, match=r"locked\['elbow'\] = nan is not a finite number"):
         load(tmp_path, locked={"elbow": float("nan")})
@@ -107,9 +99,7 @@ def test_arm_on_the_ceiling_carries_the_opposite_gravity_torque(puma: ps.Robot) 
 def test_gravity_and_tool_are_checked(tmp_path: Path) -> None:
     with pytest.raises(ps.InputError, match=r"gravity: shape \(2,\) is not \(3,\)"):
         load(tmp_path, gravity=(0.0, 9.81))
-    with pytest.raises(
-        ps.InputError, match=r"unknown tool frame 'hand'; valid: 'base', 'upper', 'fore', 'tip'"
-    ):
+    with pytest.raises(ps.InputError, match=r"unknown tool frame 'hand'; valid: 'base', 'upper', 'fore', 'tip'"):
         load(tmp_path, tool="hand")
     with pytest.raises(ps.InputError, match="unknown tool frame 'hand'"):
         load(tmp_path).with_tool("hand")
@@ -164,7 +154,5 @@ def test_two_loads_are_the_same_robot(tmp_path: Path) -> None:
 def test_notes_of_the_puma_name_its_unphysical_tensors(puma: ps.Robot) -> None:
     """Armstrong, Khatib, Burdick 1986 print them so: link 1 unmeasured but for Izz, link 3 with A + B < C."""
     assert "link 'link1': mass 0 with an inertia, used as it is" in puma.notes
-    assert any(
-        note.startswith("link 'link3': principal moments 0.0125 + 0.066 < 0.086") for note in puma.notes
-    )
+    assert any(note.startswith("link 'link3': principal moments 0.0125 + 0.066 < 0.086") for note in puma.notes)
     assert puma.missing_inertia == ()

@@ -54,9 +54,7 @@ def folders(tmp_path: Path) -> tuple[Path, Path]:
     return tmp_path / "robot", tmp_path / "outside"
 
 
-@pytest.mark.parametrize(
-    "name", ["meshes/fore.stl", "./meshes/../meshes/fore.stl", "file://HOME/meshes/fore.stl"]
-)
+@pytest.mark.parametrize("name", ["meshes/fore.stl", "./meshes/../meshes/fore.stl", "file://HOME/meshes/fore.stl"])
 def test_opens_a_mesh_in_the_urdfs_folder(folders: tuple[Path, Path], name: str) -> None:
     home, _ = folders
     mesh = stl(home / "meshes" / "fore.stl")
@@ -105,9 +103,7 @@ def test_refuses_a_mesh_outside_the_robots_folders(folders: tuple[Path, Path], n
 
 
 def test_refuses_other_schemes(tmp_path: Path) -> None:
-    with pytest.raises(
-        ps.ModelError, match="only package://, file:// and plain paths are opened, not http://"
-    ):
+    with pytest.raises(ps.ModelError, match="only package://, file:// and plain paths are opened, not http://"):
         load(tmp_path, arm("http://example.com/fore.stl"))
 
 
@@ -127,9 +123,7 @@ def test_a_name_too_long_for_the_file_system(tmp_path: Path) -> None:
         load(tmp_path, arm("x" * 5000))
 
 
-@pytest.mark.parametrize(
-    "image", ["/etc/hostname", "../../outside/secret.stl", "file:///etc/hostname", "&#47;etc/x"]
-)
+@pytest.mark.parametrize("image", ["/etc/hostname", "../../outside/secret.stl", "file:///etc/hostname", "&#47;etc/x"])
 def test_refuses_a_texture_outside_the_robots_folders(folders: tuple[Path, Path], image: str) -> None:
     """A viewer copies the image that a Collada file names into its scene, whatever file that is."""
     home, _ = folders

@@ -209,9 +209,7 @@ def test_missing_file_directory_text_and_unknown_name(tmp_path: Path) -> None:
         ps.load_robot(tmp_path)
     with pytest.raises(ps.InputError, match=r"XML text; write it to a \.urdf file"):
         ps.load_robot(ARM)
-    with pytest.raises(
-        ps.InputError, match=r"unknown robot 'puma'; valid: 'puma560', or the path of a \.urdf"
-    ):
+    with pytest.raises(ps.InputError, match=r"unknown robot 'puma'; valid: 'puma560', or the path of a \.urdf"):
         ps.load_robot("puma")
     with pytest.raises(ps.ModelError, match="cannot be read: File name too long"):
         ps.load_robot("x" * 5000 + ".urdf")

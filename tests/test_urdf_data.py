@@ -269,10 +269,7 @@ def test_no_link_touches_another(name: str) -> None:
 def test_what_is_drawn_is_what_is_checked_for_collision() -> None:
     for link in ET.parse(URDF).getroot().findall("link"):
         drawn, checked = (
-            [
-                [ET.tostring(part).strip() for part in shape if part.tag != "material"]
-                for shape in link.findall(kind)
-            ]
+            [[ET.tostring(part).strip() for part in shape if part.tag != "material"] for shape in link.findall(kind)]
             for kind in ("visual", "collision")
         )
         assert drawn == checked

@@ -84,9 +84,7 @@ def confined_geometry(urdf: Urdf, package_dirs: Sequence[str | Path]) -> tuple[G
                 path = _mesh_path(text, mesh, packages, home)
                 exists = path is not None and path.is_file()
             except (OSError, RuntimeError, ValueError) as error:  # too long a name, a loop of links
-                raise text.fault(
-                    mesh, f"filename={mesh.get('filename')!r} is no usable path: {error}"
-                ) from error
+                raise text.fault(mesh, f"filename={mesh.get('filename')!r} is no usable path: {error}") from error
             if path is not None and not any(path.is_relative_to(root) for root in roots):
                 folders = ", ".join(map(str, roots))
                 raise text.fault(
@@ -121,9 +119,7 @@ def _mesh_path(text: UrdfText, mesh: ET.Element, packages: Sequence[Path], home:
         )
     package, _, inside = rest.partition("/")
     if package in ("", ".", ".."):
-        raise text.fault(
-            mesh, f"filename={name!r} leaves the robot's folders: {package!r} is no package name"
-        )
+        raise text.fault(mesh, f"filename={name!r} leaves the robot's folders: {package!r} is no package name")
     own = [folder for folder in _own_package(home) if folder.name == package]
     found = [folder / package for folder in packages if (folder / package).is_dir()] + own
     return _inside_package(text, mesh, found[0].resolve(), inside) if found else None
@@ -132,9 +128,7 @@ def _mesh_path(text: UrdfText, mesh: ET.Element, packages: Sequence[Path], home:
 def _inside_package(text: UrdfText, mesh: ET.Element, package: Path, inside: str) -> Path:
     path = (package / inside.lstrip("/")).resolve()
     if not path.is_relative_to(package):
-        raise text.fault(
-            mesh, f"filename={mesh.get('filename')!r} leads to {path}, outside its package {package}"
-        )
+        raise text.fault(mesh, f"filename={mesh.get('filename')!r} leads to {path}, outside its package {package}")
     return path
 
 

@@ -31,9 +31,7 @@ def check_complete(model: pin.Model, urdf: Urdf) -> None:
     """
     names = list(model.names)[1:]
     if sorted(names) != sorted(urdf.moving) or model.nv != len(names):
-        raise ModelError(
-            f"{urdf.text.path}: Pinocchio reads the joints {names}, the text has {list(urdf.moving)}"
-        )
+        raise ModelError(f"{urdf.text.path}: Pinocchio reads the joints {names}, the text has {list(urdf.moving)}")
     masses = [vector(link.find("inertial/mass"), "value", (0.0,))[0] for link in urdf.links.values()]
     read = sum(inertia.mass for inertia in model.inertias)
     if not np.isclose(read, sum(masses), rtol=1e-9, atol=0.0):  # rounding of a sum of at most 200 terms
@@ -69,8 +67,7 @@ def check_inertia(model: pin.Model, armature: Array, path: object) -> tuple[str,
     lowest = np.linalg.eigvalsh(inertias / (scales[:, :, None] * scales[:, None, :]))[:, :1]
     if not (lowest > SINGULAR).all():
         raise ModelError(
-            f"{path}: the joint-space inertia is not positive definite:"
-            " masses and inertias are not those of bodies"
+            f"{path}: the joint-space inertia is not positive definite: masses and inertias are not those of bodies"
         )
     joints = zip(list(model.joints)[1:], list(model.names)[1:], strict=True)  # the first is the world
     return tuple(name for joint, name in joints if not present[joint.idx_v])

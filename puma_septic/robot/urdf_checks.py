@@ -65,9 +65,7 @@ class Urdf:
             ET.SubElement(tree, "link", name=name).extend(part for part in link if part.tag in link_parts)
         for joint in self.joints.values():
             element = ET.SubElement(tree, "joint", name=joint.name, type=joint.kind)
-            element.extend(
-                part for part in joint.element if part.tag in ("origin", "parent", "child", "axis", "limit")
-            )
+            element.extend(part for part in joint.element if part.tag in ("origin", "parent", "child", "axis", "limit"))
         return ET.tostring(tree, encoding="unicode")
 
 
@@ -114,9 +112,7 @@ def _by_name(text: UrdfText, tag: str) -> dict[str, ET.Element]:
     for element in text.root.findall(tag):
         name = element.get("name", "")
         if name in result:
-            raise text.fault(
-                element, f"this name is already taken by the {tag} in line {text.line(result[name])}"
-            )
+            raise text.fault(element, f"this name is already taken by the {tag} in line {text.line(result[name])}")
         result[name] = element
     return result
 
@@ -189,6 +185,4 @@ def _check_tree(urdf: Urdf) -> None:
     if detached:
         raise ModelError(f"{urdf.text.path}: links {', '.join(detached)} form a cycle that no base carries")
     if max(depth.values()) > MAX_DEPTH:
-        raise ModelError(
-            f"{urdf.text.path}: a chain of {max(depth.values())} joints; at most {MAX_DEPTH} are allowed"
-        )
+        raise ModelError(f"{urdf.text.path}: a chain of {max(depth.values())} joints; at most {MAX_DEPTH} are allowed")

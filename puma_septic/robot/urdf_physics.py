@@ -74,14 +74,10 @@ def _inertial_notes(text: UrdfText, inertial: ET.Element, name: str) -> Iterator
         raise text.fault(mass_element, f"value={mass_element.get('value')!r}: more than {MAX_MASS:g} kg")
     if mass < 0:
         raise text.fault(mass_element, f"value={mass_element.get('value')!r}: a mass cannot be negative")
-    xx, xy, xz, yy, yz, zz = (
-        float(tensor_element.get(key, "0")) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    )
+    xx, xy, xz, yy, yz, zz = (float(tensor_element.get(key, "0")) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
     a, b, c = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     if not a >= -ROUNDING * max(abs(c), NO_MOMENT):
-        raise text.fault(
-            tensor_element, f"principal moments {a:g}, {b:g}, {c:g} kg m^2: none may be negative"
-        )
+        raise text.fault(tensor_element, f"principal moments {a:g}, {b:g}, {c:g} kg m^2: none may be negative")
     if c > MAX_MASS * MAX_DISTANCE**2:
         raise text.fault(tensor_element, f"principal moment {c:g} kg m^2: larger than any arm's")
     if mass == 0 and c > 0:
@@ -104,9 +100,7 @@ def _axis_notes(text: UrdfText, joint: ET.Element, name: str) -> Iterator[str]:
         return
     norm = float(np.linalg.norm(vector(axis, "xyz", ())))
     if not 1e-6 < norm < 1e6:
-        raise text.fault(
-            axis, f"xyz={axis.get('xyz')!r} has no direction; expected a unit vector such as '0 0 1'"
-        )
+        raise text.fault(axis, f"xyz={axis.get('xyz')!r} has no direction; expected a unit vector such as '0 0 1'")
     if abs(norm - 1) > AXIS_ROUNDING:
         yield f"{name}: axis {axis.get('xyz')!r} has length {norm:g}; its direction is used"
 

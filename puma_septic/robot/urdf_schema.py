@@ -28,9 +28,7 @@ ATTRIBUTES: Mapping[str, Mapping[str, int]] = {
     "parent": {"link": 0},
     "child": {"link": 0},
     "axis": {"xyz": 3},
-    "limit": dict.fromkeys(
-        ("lower", "upper", "effort", "velocity", "command_effort", "current", "gear_velocity"), 1
-    ),
+    "limit": dict.fromkeys(("lower", "upper", "effort", "velocity", "command_effort", "current", "gear_velocity"), 1),
     "dynamics": {"damping": 1, "friction": 1, "D": 1, "K": 1, "mu_coulomb": 1, "mu_viscous": 1},
     "mimic": {"joint": 0, "multiplier": 1, "offset": 1},
     "safety_controller": {"soft_lower_limit": 1, "soft_upper_limit": 1, "k_position": 1, "k_velocity": 1},
@@ -113,9 +111,7 @@ def check_schema(text: UrdfText) -> tuple[str, ...]:
         hint = "this is an SDF file, not a URDF" if root.tag == "sdf" else "the root of a URDF is <robot>"
         raise text.fault(root, hint)
     if root.get("version", "1.0") not in VERSIONS:
-        raise text.fault(
-            root, f"version={root.get('version')!r} is not supported; valid: {', '.join(VERSIONS)}"
-        )
+        raise text.fault(root, f"version={root.get('version')!r} is not supported; valid: {', '.join(VERSIONS)}")
     ignored = dict.fromkeys(_unknown_elements(text, root))
     return (f"URDF elements not used: {', '.join(f'<{tag}>' for tag in ignored)}",) if ignored else ()
 
@@ -148,9 +144,7 @@ def _check_attributes(text: UrdfText, element: ET.Element) -> None:
             valid = f"valid: {', '.join(known)}" if known else "it has none"
             raise text.fault(element, f"unknown attribute {name}={value!r}; {valid}")
         if "${" in value or "$(" in value:
-            raise text.fault(
-                element, f"{name}={value!r} is a xacro expression; run xacro and pass its output"
-            )
+            raise text.fault(element, f"{name}={value!r} is a xacro expression; run xacro and pass its output")
         if known[name]:
             _check_numbers(text, element, name)
     for name in REQUIRED_ATTRIBUTES.get(element.tag, ()):
@@ -166,9 +160,7 @@ def _check_counts(text: UrdfText, element: ET.Element) -> None:
         found = element.findall(tag)
         if most and len(found) > most:
             lines = f"lines {text.line(found[0])} and {text.line(found[1])}"
-            raise text.fault(
-                found[1], f"<{element.tag}> has <{tag}> twice ({lines}); which one holds is not defined"
-            )
+            raise text.fault(found[1], f"<{element.tag}> has <{tag}> twice ({lines}); which one holds is not defined")
     for tag in REQUIRED_CHILDREN.get(element.tag, ()):
         if element.find(tag) is None:
             raise text.fault(element, f"<{tag}> is missing")
@@ -194,9 +186,7 @@ def _check_numbers(text: UrdfText, element: ET.Element, name: str) -> None:
         raise text.fault(element, f"{name}={value!r}: expected {expected}")
     for word in words:
         if not NUMBER.fullmatch(word) or not math.isfinite(float(word)):
-            raise text.fault(
-                element, f"{name}={value!r}: {word!r} is not a finite number such as 0.5 or 1e-3"
-            )
+            raise text.fault(element, f"{name}={value!r}: {word!r} is not a finite number such as 0.5 or 1e-3")
 
 
 def _check_name(text: UrdfText, element: ET.Element) -> None:

@@ -86,9 +86,7 @@ def read_urdf(path: Path) -> UrdfText:
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         if len(owners) > MAX_NESTING:
-            raise ModelError(
-                f"{path}, line {parser.CurrentLineNumber}: more than {MAX_NESTING} nested elements"
-            )
+            raise ModelError(f"{path}, line {parser.CurrentLineNumber}: more than {MAX_NESTING} nested elements")
         named = f" {attributes['name']!r}" if "name" in attributes else ""
         owners.append(named if len(owners) < 2 else f" of {owners[1]}")
         places[builder.start(tag, attributes)] = (parser.CurrentLineNumber, owners[-1])
@@ -100,9 +98,7 @@ def read_urdf(path: Path) -> UrdfText:
         builder.end(tag)
 
     def refuse_doctype(*_: object) -> NoReturn:
-        raise ModelError(
-            f"{path}, line {parser.CurrentLineNumber}: a document type (DOCTYPE) is not allowed in a URDF"
-        )
+        raise ModelError(f"{path}, line {parser.CurrentLineNumber}: a document type (DOCTYPE) is not allowed in a URDF")
 
     parser.StartElementHandler, parser.EndElementHandler = start, end
     parser.StartDoctypeDeclHandler = refuse_doctype

@@ -94,9 +94,7 @@ class Limits:
         position = checked_array("position", self.position, (None, 2), allow_nan=True)
         if (position[:, 0] >= position[:, 1]).any():
             k = int(np.argmax(position[:, 0] >= position[:, 1]))
-            raise InputError(
-                f"position[{k}]: lower bound {position[k, 0]:g} is not below upper {position[k, 1]:g}"
-            )
+            raise InputError(f"position[{k}]: lower bound {position[k, 0]:g} is not below upper {position[k, 1]:g}")
         object.__setattr__(self, "position", position)
         for name in ("velocity", "acceleration", "jerk", "effort"):
             values = checked_array(name, getattr(self, name), (len(position),), allow_nan=True)

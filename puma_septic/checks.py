@@ -113,5 +113,6 @@ def _holds_text_or_truth(array: NDArray[np.object_]) -> bool:
 
 
 def _describe(shape: Sequence[int | None]) -> str:
-    lengths = ", ".join("n" if length is None else str(length) for length in shape)
+    free = iter("nmk")  # (n, n) would ask for a square
+    lengths = ", ".join(next(free) if length is None else str(length) for length in shape)
     return f"({lengths}{',' if len(shape) == 1 else ''})"

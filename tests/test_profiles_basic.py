@@ -150,10 +150,10 @@ def test_septic_with_a_via_close_to_an_end() -> None:
         (POINTS, "0 2 6 9", r"times: expected numbers of shape \(n,\), got '0 2 6 9'"),
         (np.where(POINTS == 2.57, np.nan, POINTS), TIMES, r"points\[0, 0\] = nan rad is not a finite number"),
         (np.where(POINTS == 2.57, np.inf, POINTS), TIMES, r"points\[0, 0\] = inf rad is not a finite number"),
-        (POINTS[0], TIMES, r"points: shape \(6,\) is not \(n, n\)"),
-        (POINTS[None], TIMES, r"points: shape \(1, 4, 6\) is not \(n, n\)"),
+        (POINTS[0], TIMES, r"points: shape \(6,\) is not \(n, m\)"),
+        (POINTS[None], TIMES, r"points: shape \(1, 4, 6\) is not \(n, m\)"),
         (np.zeros((4, 0)), TIMES, "at least one joint"),
-        ([[0.0], [1.0, 2.0], [0.0], [0.0]], TIMES, r"points: expected numbers of shape \(n, n\)"),
+        ([[0.0], [1.0, 2.0], [0.0], [0.0]], TIMES, r"points: expected numbers of shape \(n, m\)"),
         ([["0"], ["1"], ["2"], ["3"]], TIMES, "points: expected numbers"),
     ],
 )
@@ -309,8 +309,8 @@ def test_equal_points_and_a_speed_limit_take_two_blends() -> None:
 @pytest.mark.parametrize(
     ("points", "options", "message"),
     [
-        (POINTS, {"blend_time": 1}, "either durations or max_velocity; neither of them is given"),
-        (POINTS, {"durations": [2, 4, 3], "max_velocity": 1, "blend_time": 1}, "max_velocity; both of them is given"),
+        (POINTS, {"blend_time": 1}, "either durations or max_velocity; neither is given"),
+        (POINTS, {"durations": [2, 4, 3], "max_velocity": 1, "blend_time": 1}, "max_velocity; both are given"),
         (
             POINTS,
             {"durations": [2, 4, 3], "blend_time": 2.5},
@@ -333,7 +333,7 @@ def test_equal_points_and_a_speed_limit_take_two_blends() -> None:
         ([[1.0], [1.0]], {"max_velocity": 1, "blend_time": 0}, "segment 1: equal points and no blend"),
         (POINTS[:1], {"durations": [], "blend_time": 1}, "lspb needs at least 2 points, got 1"),
         ([[0.0], [np.nan]], {"durations": [1], "blend_time": 0}, r"points\[1, 0\] = nan rad"),
-        ([0.0, 1.0], {"durations": [1], "blend_time": 0}, r"points: shape \(2,\) is not \(n, n\)"),
+        ([0.0, 1.0], {"durations": [1], "blend_time": 0}, r"points: shape \(2,\) is not \(n, m\)"),
     ],
 )
 def test_lspb_refuses(points: object, options: dict[str, object], message: str) -> None:

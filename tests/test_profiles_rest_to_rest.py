@@ -155,9 +155,9 @@ def test_blends_refuse() -> None:
     points, times = [[0.0], [1.0], [3.0]], [0.0, 1.0, 2.0]
     with pytest.raises(InputError, match=r"blends at points 0 and 1, of 0.8 s and 0.8 s, overlap by 0.2 s"):
         profiles.trapezoidal(points, times, blend_time=0.8)
-    with pytest.raises(InputError, match="either blend_time or cruise_velocity; neither of them is given"):
+    with pytest.raises(InputError, match="either blend_time or cruise_velocity; neither is given"):
         profiles.trapezoidal(points, times)
-    with pytest.raises(InputError, match="either blend_time or cruise_velocity; both of them is given"):
+    with pytest.raises(InputError, match="either blend_time or cruise_velocity; both are given"):
         profiles.trapezoidal(points, times, blend_time=0.1, cruise_velocity=1.0)
     with pytest.raises(InputError, match="cruise_velocity needs exactly 2 points, got 3"):
         profiles.trapezoidal(points, times, cruise_velocity=1.0)

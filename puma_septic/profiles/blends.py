@@ -68,8 +68,8 @@ def trapezoidal(
     instants = checked_via_times(times, vias)
     names = named(joint_names)
     if (blend_time is None) == (cruise_velocity is None):
-        given = "neither" if blend_time is None else "both"
-        raise InputError(f"trapezoidal takes either blend_time or cruise_velocity; {given} of them is given")
+        given = "neither is" if blend_time is None else "both are"
+        raise InputError(f"trapezoidal takes either blend_time or cruise_velocity; {given} given")
     if blend_time is not None:
         blends = _blend_times(blend_time, vias)
     else:

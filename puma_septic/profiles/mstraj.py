@@ -89,8 +89,8 @@ def lspb(
 def _durations(points: Array, durations: ArrayLike | None, max_velocity: ArrayLike | None, blend: float) -> Array:
     """Segment durations, given or from the speed limit."""
     if (durations is None) == (max_velocity is None):
-        given = "both" if durations is not None else "neither"
-        raise InputError(f"lspb takes either durations or max_velocity; {given} of them is given")
+        given = "both are" if durations is not None else "neither is"
+        raise InputError(f"lspb takes either durations or max_velocity; {given} given")
     if durations is not None:
         lengths = checked_array("durations", durations, (len(points) - 1,), unit="s")
         if not (lengths > 0).all():

@@ -184,7 +184,8 @@
     for (const label of labels) {
       const at = new MeshCat.THREE.Vector3(...label.point).project(viewer.camera);
       label.element.hidden = at.z > 1 || !toggles[0].checked;
-      label.element.style.transform = `translate(${(at.x + 1) / 2 * width + 9}px, ${(1 - at.y) / 2 * height - 20}px)`;
+      const x = Math.min((at.x + 1) / 2 * width + 9, width - label.element.offsetWidth - 2);
+      label.element.style.transform = `translate(${x}px, ${(1 - at.y) / 2 * height - 20}px)`;
     }
   }
 

@@ -142,7 +142,7 @@ def _add_replay(parser: ArgumentParser) -> None:
 
 def _add_task(parser: ArgumentParser) -> None:
     """The task and what replaces parts of it, the same for every command that takes one."""
-    parser.add_argument("task", nargs="?", metavar="TASK", help="a task file (.yaml), or 'paper' or 'paper-turned'")
+    parser.add_argument("task", nargs="?", metavar="TASK", help="a task file (.yaml), or a built-in task such as 'paper' or 'paper-turned'")
     parser.add_argument("--robot", metavar="NAME", help="another robot: 'puma560' or a .urdf file")
     parser.add_argument("--actuators", metavar="FILE", help="its actuator file")
     parser.add_argument("--parameters", metavar="NAME", help="set of drive parameters, such as rtb or akb")

@@ -28,7 +28,7 @@ def task_names() -> tuple[str, ...]:
     Examples
     --------
     >>> task_names()
-    ('paper', 'paper-turned')
+    ('gasparetto-zanotto', 'lin-chang-luh', 'paper', 'paper-turned', 'williams')
     """
     return tuple(sorted(path.stem for path in _FOLDER.glob("*.yaml")))
 
@@ -39,7 +39,7 @@ def load_task(source: str | Path) -> Task:
     Parameters
     ----------
     source : str or Path
-        "paper", "paper-turned", or the path of a .yaml or .yml file; paths in it are relative to its folder.
+        A name out of `task_names`, such as "paper", or the path of a .yaml or .yml file; paths in it are relative to its folder.
 
     Raises
     ------
@@ -85,19 +85,24 @@ def make_task(data: Mapping[str, Any], *, origin: str = "task", folder: str | Pa
 
 def _read(path: Path) -> str:
     try:
-        if not path.is_file():
-            reason = "is not a file" if path.exists() else "does not exist"
-            raise InputError(f"{path}: this task file {reason}")
-        with path.open("rb") as stream:
-            data = stream.read(MAX_BYTES + 1)
+        reason = "" if path.is_file() else "is not a file" if path.exists() else "does not exist"
+        data = b"" if reason else _start_of(path)
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         raise InputError(f"{path}: cannot read this task file: {error}") from error
+    if reason:
+        raise InputError(f"{path}: this task file {reason}")
     if len(data) > MAX_BYTES:
         raise InputError(f"{path}: larger than the {MAX_BYTES:,} bytes that a task file may have")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: not UTF-8 text: {error.reason} at byte {error.start}") from error
+
+
+def _start_of(path: Path) -> bytes:
+    """As much as a task file may have, and one byte more."""
+    with path.open("rb") as stream:
+        return stream.read(MAX_BYTES + 1)
 
 
 def _parsed(text: str, origin: str) -> Any:
@@ -139,6 +144,10 @@ _MESSAGES: Final = {
     "tuple_type": "expected a list",
     "dict_type": "expected a mapping",
     "finite_number": "expected a finite number",
+    "greater_than": "must be greater than {gt:g}",
+    "greater_than_equal": "must be at least {ge:g}",
+    "too_short": "expected at least {min_length} entries",
+    "too_long": "expected at most {max_length} entries",
 }
 
 
@@ -146,12 +155,16 @@ def _described(error: ValidationError) -> str:
     """The first fault in one line, and how many more there are."""
     faults = error.errors(include_url=False)
     first = faults[0]
+    # A list with a faulty entry is also reported as one without it, which is too short.
+    others = [fault for fault in faults[1:] if fault["loc"] != first["loc"][: len(fault["loc"])]]
     where = _field(first["loc"])
     message = _MESSAGES.get(first["type"], first["msg"])
+    if first["type"] in _MESSAGES:
+        message = message.format(**first.get("ctx", {}))
     text = f"{where}{' ' if first['type'] == 'missing' else ': '}{message}" if where else message
     if first["type"] not in ("missing", OWN_WORDS):
         text += f", got {shortened(first['input'])}"
-    return text + (f" (and {len(faults) - 1} more)" if len(faults) > 1 else "")
+    return text + (f" (and {len(others)} more)" if others else "")
 
 
 def _field(location: tuple[int | str, ...]) -> str:

@@ -33,8 +33,10 @@ _HOMES: Final = {
     "Piecewise": "piecewise",
     "PumaSepticError": "errors",
     "Replay": "viewer",
+    "ResolvedTask": "task",
     "Robot": "robot",
     "Sizing": "sizing",
+    "Task": "task",
     "Trajectory": "trajectory",
     "Wrench": "robot",
     "assess": "assessment",
@@ -130,6 +132,8 @@ if TYPE_CHECKING:
     from puma_septic.robot import load_robot as load_robot
     from puma_septic.sizing import Sizing as Sizing
     from puma_septic.sizing import size as size
+    from puma_septic.task import ResolvedTask as ResolvedTask
+    from puma_septic.task import Task as Task
     from puma_septic.task import assess_task as assess_task
     from puma_septic.task import load_task as load_task
     from puma_septic.task import resolve_task as resolve_task

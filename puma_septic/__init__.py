@@ -68,6 +68,7 @@ _HOMES: Final = {
     "read_csv_trajectory": "profiles.logged",
     "replay": "viewer",
     "replay_html": "viewer",
+    "report_html": "report.page",
     "resolve_task": "task",
     "septic": "profiles",
     "size": "sizing",
@@ -75,6 +76,7 @@ _HOMES: Final = {
     "tool_motion": "kinematics",
     "torque_terms": "dynamics",
     "write_replay": "viewer",
+    "write_report": "report.page",
 }
 
 __all__ = ["__version__", *_HOMES]
@@ -124,6 +126,8 @@ if TYPE_CHECKING:
     from puma_septic.profiles.logged import fit_residual as fit_residual
     from puma_septic.profiles.logged import fit_trajectory as fit_trajectory
     from puma_septic.profiles.logged import read_csv_trajectory as read_csv_trajectory
+    from puma_septic.report.page import report_html as report_html
+    from puma_septic.report.page import write_report as write_report
     from puma_septic.robot import Actuator as Actuator
     from puma_septic.robot import Limits as Limits
     from puma_septic.robot import Payload as Payload

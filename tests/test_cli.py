@@ -17,7 +17,6 @@ import puma_septic as ps
 from puma_septic.cli import assess as assess_command
 from puma_septic.cli import main
 from puma_septic.cli.texts import broken_text
-from puma_septic.report import figures
 from puma_septic.task import load_task, make_task, resolve_task
 
 COMMAND = [sys.executable, "-m", "puma_septic.cli"]
@@ -119,10 +118,7 @@ def test_csv_is_one_table(capsys: pytest.CaptureFixture[str]) -> None:
     assert len(rows) == 2 * 3 * 6
 
 
-def test_a_name_that_looks_like_markup_is_text(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(figures, "assessment_figures", lambda _: iter(()))  # they take seconds
+def test_a_name_that_looks_like_markup_is_text(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     name = "<script>alert(1)</script>"
     path = tmp_path / "task.yaml"
     path.write_text(JOINTS.format(name=name))
@@ -130,6 +126,9 @@ def test_a_name_that_looks_like_markup_is_text(
     assert f"Task '{name}'" in capsys.readouterr().out
     assert json.loads((tmp_path / "out" / "assessment.json").read_text())["tasks"][0]["task"]["name"] == name
     assert (tmp_path / "out" / "script-alert-1-script").is_dir()
+    report = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "&lt;script&gt;alert(1)&lt;/script&gt;" in report
+    assert name not in report
 
 
 def test_auto_says_when_no_branch_is_within_limits(capsys: pytest.CaptureFixture[str]) -> None:
@@ -140,14 +139,26 @@ def test_auto_says_when_no_branch_is_within_limits(capsys: pytest.CaptureFixture
 # ---- --out
 
 
-def test_out_has_json_samples_and_figures(joints: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_out_has_report_json_samples_and_figures(
+    joints: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     main(["assess", joints, "--format", "json", "--out", str(tmp_path / "out")])
     assert (tmp_path / "out" / "assessment.json").read_text() == capsys.readouterr().out
+    assert (tmp_path / "out" / "report.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     names = {path.name for path in (tmp_path / "out" / "small").iterdir()}
+    drawn = ("position", "velocity", "acceleration", "jerk", "torque", "torque-speed", "tool")
+    split = "torque-split-quintic_segments.svg"
+    assert names == {"samples-quintic_segments.csv", split, *(f"{name}.svg" for name in drawn)}
+    assert "<svg" in (tmp_path / "out" / "small" / "jerk.svg").read_text(encoding="utf-8")
+
+
+def test_png_adds_the_figures_of_matplotlib(joints: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["assess", joints, "--out", str(tmp_path / "out"), "--png"]) == 0
+    assert capsys.readouterr().err == ""
+    found = {path.name: path.read_bytes() for path in (tmp_path / "out" / "small").glob("*.png")}
     drawn = ("joints", "torque", "torque-split-quintic_segments", "utilisation", "workspace")
-    assert names == {"samples-quintic_segments.csv", *(f"{f}.{kind}" for f in drawn for kind in ("png", "svg"))}
-    assert (tmp_path / "out" / "small" / "joints.png").read_bytes().startswith(b"\x89PNG")
-    assert "<svg" in (tmp_path / "out" / "small" / "joints.svg").read_text()
+    assert set(found) == {f"{name}.png" for name in drawn}
+    assert all(content.startswith(b"\x89PNG") for content in found.values())
 
 
 def test_out_leaves_nothing_behind_when_a_figure_fails(
@@ -277,6 +288,7 @@ def assert_bad_input(arguments: list[str], message: str, capsys: pytest.CaptureF
         (["assess", "--payload", "-1"], "--payload: -1 is negative"),
         (["assess", "--dwell", "inf"], "--dwell: 'inf' is not a finite number"),
         (["assess", "--margin", "20"], "--margin: 20 is not between 0 and 1"),
+        (["assess", "--png"], "--png goes with --out: name the folder to write into"),
         (["assess", "--format", "xml"], "--format: invalid choice: 'xml'"),
     ],
 )

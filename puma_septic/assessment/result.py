@@ -10,7 +10,7 @@ import numpy as np
 
 from puma_septic.assessment.checks import QUANTITIES, LimitCheck, limit_checks, unknown_values
 from puma_septic.assessment.joints import PowerMetrics, joint_metrics, power_metrics
-from puma_septic.assessment.texts import assessment_document, assessment_text
+from puma_septic.assessment.texts import assessment_document, assessment_html, assessment_text
 from puma_septic.assessment.tool import ToolMetrics, tool_metrics
 from puma_septic.checks import Array, checked_number
 from puma_septic.errors import InputError
@@ -158,6 +158,9 @@ class Assessment:
 
     def __str__(self) -> str:
         return assessment_text(self)
+
+    def _repr_html_(self) -> str:
+        return assessment_html(self)
 
 
 def assess(what: Motion | Robot, trajectory: Trajectory | None = None, *, dwell: float = 0.0) -> Assessment:

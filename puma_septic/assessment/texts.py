@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from html import escape
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from puma_septic.assessment.checks import QUANTITIES, LimitCheck
-from puma_septic.tables import text_table
+from puma_septic.tables import Cell, html_table, text_table
 
 if TYPE_CHECKING:  # the value that these texts describe stands one file up in this room
     from puma_septic.assessment.result import Assessment
 
-__all__ = ["SCHEMA", "assessment_document", "assessment_text", "verdict"]
+__all__ = ["SCHEMA", "assessment_document", "assessment_html", "assessment_tables", "assessment_text", "verdict"]
 
 # Whatever changes in the layout of the document changes this.
 SCHEMA: Final = "puma-septic/assessment/1"
@@ -58,9 +59,75 @@ def assessment_text(assessment: Assessment) -> str:
     return "\n".join(lines)
 
 
+def assessment_html(assessment: Assessment) -> str:
+    """Verdict, tables and what is not known, for a notebook; every text is escaped."""
+    robot, trajectory = assessment.motion.robot, assessment.motion.trajectory
+    head = f"{robot.name}, {trajectory.profile}, {trajectory.duration:g} s: {verdict(assessment)}"
+    lists = (
+        ("Limits broken", [str(check) for check in assessment.violations]),
+        ("Not assessed", assessment.not_assessed),
+        ("Remarks", assessment.remarks),
+    )
+    texts = [f"{title}: {'; '.join(lines)}" for title, lines in lists if lines]
+    return "\n".join(
+        [
+            f"<p><strong>{escape(head)}</strong></p>",
+            assessment_tables(assessment),
+            *(f"<p>{escape(text)}</p>" for text in [_tool_text(assessment), *texts]),
+        ]
+    )
+
+
+def assessment_tables(assessment: Assessment) -> str:
+    """What each joint does and needs, and what is left of its limits, as HTML tables in the boxes that scroll."""
+    motion, effort = _joint_rows(assessment)
+    units = ("rad", "", "", "", "")
+    margins = [
+        [
+            joint,
+            *(_margin(assessment.margins[quantity][j], unit) for quantity, unit in zip(QUANTITIES, units, strict=True)),
+        ]
+        for j, joint in enumerate(assessment.motion.robot.joint_names)
+    ]
+    tables = (
+        html_table(_MOTION, motion, caption=f"Peaks, and use of the limit. {_units(assessment)}"),
+        html_table(_EFFORT, effort, caption="Torque and energy, over the motion and its dwell"),
+        html_table(
+            ["joint", *QUANTITIES[:-1], "torque"],
+            margins,
+            caption="Margins: what is left of the limit; for positions the distance to the nearer bound",
+        ),
+    )
+    return "\n".join(f'<div class="scroll" style="overflow-x:auto">{table}</div>' for table in tables)
+
+
+_MOTION: Final = ("joint", "position", "velocity", "acceleration", "jerk")
+_EFFORT: Final = ("joint", "torque", "at [s]", "rms torque", "energy in", "energy out")
+
+
+def _margin(value: float, unit: str) -> str:
+    if np.isnan(value):
+        return "not known"
+    if np.isinf(value):
+        return "none"
+    return f"{value:.3g} {unit}" if unit else f"{100 * value:.0f} %"
+
+
 def _joint_table(assessment: Assessment) -> str:
     """What each joint does and what it needs, in two tables, so that each fits on a page."""
-    motion, effort = [], []
+    motion, effort = _joint_rows(assessment)
+    note = f"{_units(assessment)}; (use of the limit; ! marks a broken one)"
+    return "\n\n".join([text_table(_MOTION, motion), text_table(_EFFORT, effort)]) + "\n" + note
+
+
+def _units(assessment: Assessment) -> str:
+    units = "Peaks in rad, rad/s, rad/s^2, rad/s^3, N m; energies in J"
+    return f"{units} (sliding joints: m and N)" if assessment.motion.robot.is_prismatic.any() else units
+
+
+def _joint_rows(assessment: Assessment) -> tuple[list[list[Cell]], list[list[Cell]]]:
+    motion: list[list[Cell]] = []
+    effort: list[list[Cell]] = []
     checks = {(check.joint, check.quantity): check for check in assessment.checks}
     extremes = zip(assessment.position.min, assessment.position.max, strict=True)
     for j, (joint, (low, high)) in enumerate(zip(assessment.motion.robot.joint_names, extremes, strict=True)):
@@ -80,15 +147,7 @@ def _joint_table(assessment: Assessment) -> str:
             _size(assessment.energy_in[j], None),
             _size(assessment.energy_out[j], None),
         ])  # fmt: skip
-    units = "Peaks in rad, rad/s, rad/s^2, rad/s^3, N m; energies in J"
-    if assessment.motion.robot.is_prismatic.any():
-        units += " (sliding joints: m and N)"
-    note = f"{units}; (use of the limit; ! marks a broken one)"
-    tables = (
-        text_table(["joint", "position", "velocity", "acceleration", "jerk"], motion),
-        text_table(["joint", "torque", "at [s]", "rms torque", "energy in", "energy out"], effort),
-    )
-    return "\n\n".join(tables) + "\n" + note
+    return motion, effort
 
 
 def _percent(check: LimitCheck | None) -> str:

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import NamedTuple, NoReturn
 
 from puma_septic import __version__
+from puma_septic.cli.choosing import COMPARE, OPTIMISE, PROFILES, add_compare, add_optimise, add_profiles
 
 __all__ = ["Answer", "parse"]
 
@@ -46,6 +47,14 @@ def parse(argv: Sequence[str] | None) -> Namespace:
     _add_ik(_command(commands, "ik", "branches of the inverse kinematics", _IK))
     _add_paper(_command(commands, "paper", "the paper's tables, figures and claims, reproduced and judged", _PAPER))
     _add_replay(_command(commands, "replay", "the arm in motion, in the browser or as one HTML file", _REPLAY))
+    compare = _command(commands, "compare", "all suitable profiles on one task, measured exactly", COMPARE)
+    optimise = _command(
+        commands, "optimise", "via times chosen for one or more objectives, or the least time", OPTIMISE
+    )
+    for choosing, add in ((compare, add_compare), (optimise, add_optimise)):
+        _add_task(choosing)
+        add(choosing)
+    add_profiles(_command(commands, "profiles", "what profiles there are", PROFILES))
     # argparse takes -1e-3 for an option (before Python 3.14); after a space it is a value, and the same number.
     given = sys.argv[1:] if argv is None else argv
     return parser.parse_args([f" {text}" if _NEGATIVE.fullmatch(text) else text for text in given])
@@ -101,8 +110,11 @@ def _add_assess(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--format", choices=("text", "json", "csv"), default="text", help="of what is printed")
     parser.add_argument(
-        "--out", metavar="DIR", help="write JSON, CSV and figures into a new folder; nothing is overwritten"
+        "--out",
+        metavar="DIR",
+        help="write report.html, JSON, CSV and SVG figures into a new folder; nothing is overwritten",
     )
+    parser.add_argument("--png", action="store_true", help="with --out: PNG figures as well, which takes seconds")
 
 
 def _add_ik(parser: ArgumentParser) -> None:
@@ -142,7 +154,12 @@ def _add_replay(parser: ArgumentParser) -> None:
 
 def _add_task(parser: ArgumentParser) -> None:
     """The task and what replaces parts of it, the same for every command that takes one."""
-    parser.add_argument("task", nargs="?", metavar="TASK", help="a task file (.yaml), or a built-in task such as 'paper' or 'paper-turned'")
+    parser.add_argument(
+        "task",
+        nargs="?",
+        metavar="TASK",
+        help="a task file (.yaml), or a built-in task such as 'paper' or 'paper-turned'",
+    )
     parser.add_argument("--robot", metavar="NAME", help="another robot: 'puma560' or a .urdf file")
     parser.add_argument("--actuators", metavar="FILE", help="its actuator file")
     parser.add_argument("--parameters", metavar="NAME", help="set of drive parameters, such as rtb or akb")

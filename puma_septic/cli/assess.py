@@ -12,6 +12,7 @@ from puma_septic.assessment import Assessment
 from puma_septic.cli.arguments import Answer
 from puma_septic.cli.tasks import asked_task
 from puma_septic.cli.texts import assessed_text, turned_text
+from puma_septic.errors import InputError
 from puma_septic.report import assess_document, metrics_csv, new_folder, profile_labels, samples_csv, to_json
 from puma_septic.task import ResolvedTask, assess_task, resolve_task
 from puma_septic.testing import assert_feasible
@@ -33,8 +34,10 @@ def run(arguments: Namespace) -> Answer:
     else:
         parts = [assessed_text(*asked[0], arguments.margin), *(turned_text(*one) for one in shown[1:])]
         text = "\n\n".join(parts)
+    if arguments.png and arguments.out is None:
+        raise InputError("--png goes with --out: name the folder to write into")
     if arguments.out is not None:
-        _write_folder(arguments.out, shown)
+        _write_folder(arguments.out, shown, png=arguments.png)
     is_feasible = all(_is_kept(one, arguments.margin) for one in asked[0][1])
     return Answer(text, 0 if is_feasible else 1)
 
@@ -52,11 +55,13 @@ def _is_kept(assessment: Assessment, margin: float) -> bool:
     return assessment.is_feasible
 
 
-def _write_folder(path: str, shown: Sequence[Assessed]) -> None:
-    """One document and one table of all, and for each task samples and figures in a folder of its own."""
+def _write_folder(path: str, shown: Sequence[Assessed], *, png: bool) -> None:
+    """Report, document and table of all, and for each task samples and figures in a folder of its own."""
+    # Templates and the replay's libraries take longer to load than an assessment takes; matplotlib far longer.
+    page = import_module("puma_septic.report.page")
+    drawn = import_module("puma_septic.report.groups")
     with new_folder(path) as folder:
-        # matplotlib takes longer to load than everything else takes to compute.
-        figures = import_module("puma_septic.report.figures")
+        (folder / "report.html").write_text(page.tasks_html(shown), encoding="utf-8")
         (folder / "assessment.json").write_text(to_json(assess_document(shown)), encoding="utf-8")
         (folder / "metrics.csv").write_text(metrics_csv(shown), encoding="utf-8")
         for resolved, assessments in shown:
@@ -64,8 +69,16 @@ def _write_folder(path: str, shown: Sequence[Assessed]) -> None:
             inner.mkdir()
             for label, assessment in zip(profile_labels(assessments), assessments, strict=True):
                 (inner / f"samples-{label}.csv").write_text(samples_csv(assessment), encoding="utf-8")
-            for name, figure in figures.assessment_figures(assessments):
-                figures.save_figure(figure, inner / name)
+            for name, figure in drawn.svg_figures(assessments).items():
+                (inner / f"{name}.svg").write_text(figure, encoding="utf-8")
+            if png:
+                _write_png(inner, assessments)
+
+
+def _write_png(folder: Path, assessments: Sequence[Assessment]) -> None:
+    figures = import_module("puma_septic.report.figures")
+    for name, figure in figures.assessment_figures(assessments):
+        figures.save_png(figure, folder / f"{name}.png")
 
 
 def _file_name(name: str) -> str:

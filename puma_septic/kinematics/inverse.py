@@ -23,6 +23,7 @@ from puma_septic.kinematics.poses import checked_poses
 from puma_septic.kinematics.puma import CONFIGURATIONS, SINGULARITIES, PumaGeometry, puma_geometry
 from puma_septic.kinematics.turns import within
 from puma_septic.robot import Robot
+from puma_septic.tables import html_table
 
 __all__ = ["IkBatch", "IkSolutions", "inverse_kinematics", "inverse_kinematics_batch", "rtb_names"]
 
@@ -59,6 +60,18 @@ class IkSolutions:
         """Joint positions of a named branch, shape (n_joints,); an unknown name lists the valid ones."""
         name = checked_choice("configuration", configuration, self.configurations)
         return np.asarray(self.q[self.configurations.index(name)])
+
+    def _repr_html_(self) -> str:
+        joints = [f"q{j + 1}" for j in range(self.q.shape[1])]
+        rows = zip(self.configurations, self.q.tolist(), self.within_limits, self.singular, self.residual, strict=True)
+        return html_table(
+            ["branch", *joints, "within limits", "singular", "residual"],
+            [
+                [name, *(f"{value:.4f}" for value in q), "yes" if fits else "no", ", ".join(at), f"{left:.1e}"]
+                for name, q, fits, at, left in rows
+            ],
+            caption="Inverse kinematics: joint positions in rad (sliding joints: m)",
+        )
 
 
 @final

@@ -1,4 +1,4 @@
-"""Figures of assessments, drawn one after the other and written as PNG and SVG."""
+"""Figures drawn by matplotlib, one after the other, and written to files."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from puma_septic.plots import plot_joints, plot_torque, plot_torque_split, plot_
 from puma_septic.plots.paper import paper_figures as drawn
 from puma_septic.report.documents import profile_labels
 
-__all__ = ["assessment_figures", "paper_figures", "save_figure"]
+__all__ = ["assessment_figures", "paper_figures", "save_figure", "save_png"]
 
 
 def assessment_figures(assessments: Sequence[Assessment]) -> Iterator[tuple[str, Figure]]:
@@ -41,3 +41,8 @@ def save_figure(figure: Figure, path: Path) -> None:
         # Laying out costs more than drawing, and the result is the same.
         figure.set_layout_engine("none")
         figure.savefig(path.with_name(f"{path.name}.svg"), metadata={"Date": None})
+
+
+def save_png(figure: Figure, path: Path) -> None:
+    """Write one PNG file."""
+    figure.savefig(path, format="png")

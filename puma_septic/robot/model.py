@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from puma_septic.checks import Array, checked_array, checked_choice, read_only
 from puma_septic.errors import InputError
 from puma_septic.robot.meshes import Geometry
+from puma_septic.robot.texts import robot_html
 from puma_septic.robot.values import Actuator, Limits, Payload, Wrench
 
 __all__ = ["Robot"]
@@ -84,9 +85,7 @@ class Robot:
         joints = [self.bare_model.joints[self.bare_model.getJointId(name)] for name in self.joint_names]
         ratios = np.array([actuator.gear_ratio for actuator in self.actuators])
         viscous = np.array([actuator.viscous_friction for actuator in self.actuators]) * ratios**2
-        coulomb = (
-            np.array([actuator.coulomb_friction for actuator in self.actuators]) * np.abs(ratios)[:, None]
-        )
+        coulomb = np.array([actuator.coulomb_friction for actuator in self.actuators]) * np.abs(ratios)[:, None]
         derived = {
             "_index_q": np.array([joint.idx_q for joint in joints]),
             "_index_v": np.array([joint.idx_v for joint in joints]),
@@ -108,9 +107,7 @@ class Robot:
         if len(self.actuators) != self.n_joints:
             raise InputError(f"actuators: {len(self.actuators)} given for {self.n_joints} joints")
         if len(self.limits.velocity) != self.n_joints:
-            raise InputError(
-                f"limits: given for {len(self.limits.velocity)} joints, the arm has {self.n_joints}"
-            )
+            raise InputError(f"limits: given for {len(self.limits.velocity)} joints, the arm has {self.n_joints}")
 
     def _loaded_model(self) -> pin.Model:
         """The bare model with rotor inertia and payload written into a copy of it."""
@@ -215,9 +212,10 @@ class Robot:
             changes["position"] = checked_array("position", position, (self.n_joints, 2), allow_nan=True)
         return replace(self, limits=replace(new, **changes) if changes else new)
 
+    def _repr_html_(self) -> str:
+        return robot_html(self)
+
 
 def _frame_id(model: pin.Model, name: str) -> int:
     """Index of a frame that exists; where a link and a joint share the name, the link is meant."""
-    return int(
-        model.getFrameId(name, pin.FrameType.BODY) if model.existBodyName(name) else model.getFrameId(name)
-    )
+    return int(model.getFrameId(name, pin.FrameType.BODY) if model.existBodyName(name) else model.getFrameId(name))

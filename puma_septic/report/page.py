@@ -1,0 +1,234 @@
+"""The report: one HTML page, to read, to send and to print, that asks nobody for anything."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, final
+
+from markupsafe import Markup
+
+from puma_septic import __version__
+from puma_septic.assessment import Assessment
+from puma_septic.assessment.checks import QUANTITIES
+from puma_septic.assessment.texts import assessment_tables
+from puma_septic.errors import InputError, ModelError
+from puma_septic.report.documents import profile_labels
+from puma_septic.report.groups import Group, groups_of
+from puma_septic.report.panels import Bar, samples_of, utilisation_bars
+from puma_septic.report.rendering import render
+from puma_septic.report.verdicts import comparison_table, reason, verdict_sentence
+from puma_septic.robot.texts import robot_html
+from puma_septic.task import ResolvedTask
+from puma_septic.viewer import replay_html
+
+__all__ = ["report_html", "tasks_html", "write_report"]
+
+# Bars end here, in parts of the limit; the style sheet draws the limit at 80 % of their track.
+_LONGEST_BAR: Final = 1.25
+# Digits of instants: a microsecond is far below what a picture shows.
+_DIGITS: Final = 6
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Section:
+    """What the template shows of one task."""
+
+    title: str
+    description: str
+    head: str
+    labels: list[str]
+    is_feasible: bool
+    sentence: str
+    reason: str
+    comparison: Markup
+    bars: dict[str, list[tuple[str, list[Bar]]]]
+    unknown: str
+    replay: str
+    no_replay: str
+    groups: list[Group]
+    tables: list[tuple[str, Markup]]
+    not_assessed: list[str]
+    remarks: list[str]
+    robot: Markup
+    repeat: str
+    inputs: str
+    span: tuple[float, float]
+    times: list[list[float]]
+
+
+def report_html(what: Assessment | Sequence[Assessment], *, title: str | None = None) -> str:
+    """The report of one motion, or of several side by side, as one HTML page.
+
+    The verdict comes first; then how much of each limit is used, the replay, torque with its causes, the torque-speed
+    plane, the tool's path, position to jerk, the numbers, what is not known, and the inputs. One time cursor moves
+    plots and replay. It works from disk, without network, and prints.
+
+    Parameters
+    ----------
+    what : Assessment or sequence of Assessment
+        Of one arm.
+    title : str, optional
+        Heading; the robot's name by default.
+
+    Raises
+    ------
+    InputError
+        For no assessment, or arms with different joints.
+
+    Examples
+    --------
+    >>> import puma_septic as ps
+    >>> move = ps.quintic_segments([[0.0] * 6, [0.5] * 6], [0.0, 2.0])
+    >>> html = report_html(ps.assess(ps.load_robot(), move))
+    >>> html[:15], "Feasible" in html
+    ('<!DOCTYPE html>', True)
+    """
+    group = _checked(what)
+    heading = group[0].motion.robot.name if title is None else title
+    return _page(heading, [_section(heading, group, None)])
+
+
+def write_report(path: str | Path, what: Assessment | Sequence[Assessment], *, title: str | None = None) -> Path:
+    """Write the report as one HTML file; see `report_html`.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        Where the file exists, as nothing is overwritten, or cannot be written, with the reason; and as `report_html`.
+    """
+    target = Path(path)
+    html = report_html(what, title=title)
+    try:
+        with target.open("x", encoding="utf-8") as stream:
+            stream.write(html)
+    except FileExistsError as error:
+        raise InputError(f"{target} exists; nothing is overwritten, name another file") from error
+    except (OSError, ValueError) as error:  # ValueError: a null character in the path
+        why = error.strerror if isinstance(error, OSError) and error.strerror else error
+        raise InputError(f"{str(target)!r}: the report cannot be written there: {why}") from error
+    return target
+
+
+def tasks_html(tasks: Sequence[tuple[ResolvedTask, Sequence[Assessment]]]) -> str:
+    """The report of assessed tasks, with the inputs of each as a task file.
+
+    Raises
+    ------
+    InputError
+        For no task.
+    """
+    if not tasks:
+        raise InputError("a report needs at least one task")
+    sections = [_section(resolved.task.name, assessments, resolved) for resolved, assessments in tasks]
+    return _page(" and ".join(section.title for section in sections), sections)
+
+
+def _checked(what: Assessment | Sequence[Assessment]) -> tuple[Assessment, ...]:
+    group = (what,) if isinstance(what, Assessment) else tuple(what)
+    if not group or not all(isinstance(one, Assessment) for one in group):
+        raise InputError(f"a report is made of one assessment or a sequence of them, got {what!r}")
+    names = {one.motion.robot.joint_names for one in group}
+    if len(names) > 1:
+        raise InputError(f"a report is of one arm; got joints {' and '.join(', '.join(one) for one in sorted(names))}")
+    return group
+
+
+def _page(title: str, sections: Sequence[Section]) -> str:
+    return render("page.html.j2", title=title, sections=sections, version=__version__, bar_width=_bar_width)
+
+
+def _bar_width(used: float) -> str:
+    """Of the track, per cent."""
+    return "0" if math.isnan(used) else f"{100 * min(used, _LONGEST_BAR) / _LONGEST_BAR:.1f}"
+
+
+def _section(title: str, assessments: Sequence[Assessment], resolved: ResolvedTask | None) -> Section:
+    labels = profile_labels(assessments)
+    group = [samples_of(one, label) for one, label in zip(assessments, labels, strict=True)]
+    bars = utilisation_bars(group)
+    known = {"effort" if quantity == "torque" else quantity for quantity in bars}
+    replay, no_replay = _replay(assessments, labels, title)
+    robot = assessments[0].motion.robot
+    repeat, inputs = _inputs(assessments, labels, resolved)
+    return Section(
+        title=title,
+        description=" ".join(resolved.task.description.split()) if resolved is not None else "",
+        head=_head(assessments, resolved),
+        labels=labels,
+        is_feasible=all(one.is_feasible for one in assessments),
+        sentence=verdict_sentence(assessments, labels),
+        reason="" if resolved is None else reason(resolved),
+        comparison=Markup(comparison_table(assessments, labels)) if len(labels) > 1 else Markup(""),
+        bars=bars,
+        unknown=", ".join("torque" if one == "effort" else one for one in QUANTITIES if one not in known),
+        replay=replay,
+        no_replay=no_replay,
+        groups=groups_of(group),
+        tables=[(label, Markup(assessment_tables(one))) for label, one in zip(labels, assessments, strict=True)],
+        not_assessed=_distinct(line for one in assessments for line in one.not_assessed),
+        remarks=_distinct(line for one in assessments for line in one.remarks),
+        robot=Markup(robot_html(robot)),
+        repeat=repeat,
+        inputs=inputs,
+        span=(min(float(one.t[0]) for one in group), max(float(one.t[-1]) for one in group)),
+        times=[[round(t, _DIGITS) for t in one.t.tolist()] for one in group],
+    )
+
+
+def _replay(assessments: Sequence[Assessment], labels: Sequence[str], title: str) -> tuple[str, str]:
+    """The replay's page, or why there is none: a mesh that cannot be drawn does not take the numbers away."""
+    try:
+        return replay_html(assessments, labels=labels, title=title), ""
+    except ModelError as error:
+        return "", str(error)
+
+
+def _head(assessments: Sequence[Assessment], resolved: ResolvedTask | None) -> str:
+    robot = assessments[0].motion.robot
+    load = f", payload {robot.payload.mass:g} kg" if robot.payload is not None else ""
+    parts = [f"Robot: {robot.name}, tool {robot.tool}{load}."]
+    if resolved is not None:
+        points = ", ".join(f"{name} {time:g} s" for name, time in zip(resolved.names, resolved.times, strict=True))
+        parts.append(f"Points: {points}.")
+        if resolved.has_poses:
+            parts.append(f"Branch of the inverse kinematics: {resolved.branch.configuration}.")
+    dwell = max(one.dwell for one in assessments)
+    if dwell:
+        parts.append(f"Then {dwell:g} s at rest, which count in the RMS values.")
+    return " ".join(parts)
+
+
+def _inputs(assessments: Sequence[Assessment], labels: Sequence[str], resolved: ResolvedTask | None) -> tuple[str, str]:
+    """How to repeat it, and the inputs with all their digits."""
+    if resolved is not None:
+        how = "The inputs are a task file: save them as task.yaml and run puma-septic assess task.yaml."
+        document: Any = resolved.task.document()
+    else:
+        how = "The inputs are what the profiles were made from and what was assessed."
+        document = [
+            {
+                "label": label,
+                "profile": one.motion.trajectory.profile,
+                "robot": one.motion.robot.name,
+                "tool": one.motion.robot.tool,
+                "points": one.motion.trajectory.points.tolist(),
+                "times": one.motion.trajectory.times.tolist(),
+                "dwell": one.dwell,
+            }
+            for label, one in zip(labels, assessments, strict=True)
+        ]
+    return how, json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False)
+
+
+def _distinct(lines: Any) -> list[str]:
+    return list(dict.fromkeys(lines))

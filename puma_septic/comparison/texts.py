@@ -29,6 +29,7 @@ _PER_JOINT: Final = (
     "integral_of_squared_jerk", "end_jerk", "overshoot", "via_miss", "peak_torque", "rms_torque", "energy_in",
     "energy_out",
 )  # fmt: skip
+_BRIEF: Final = {"position": "pos", "velocity": "vel", "acceleration": "acc"}
 # How a column of the joints becomes one number.
 _SUMMED: Final = ("integral_of_squared_jerk", "energy_in", "energy_out")
 
@@ -143,7 +144,8 @@ def _torque(row: ComparedProfile) -> str:
 
 def _broken(row: ComparedProfile, separator: str) -> str:
     quantities = [check.quantity for check in row.assessment.violations]
-    return separator.join(f"{name} {quantities.count(name)}" for name in dict.fromkeys(quantities)) or "none"
+    counts = {name: quantities.count(name) for name in dict.fromkeys(quantities)}
+    return separator.join(f"{_BRIEF.get(name, name)} {count}" for name, count in counts.items()) or "none"
 
 
 def _short(value: float) -> str:

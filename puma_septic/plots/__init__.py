@@ -3,6 +3,7 @@
 Colours are Okabe and Ito's, told apart by colour-blind readers. Every axis has its unit; steps stay steps.
 """
 
+from puma_septic.plots.comparison import plot_comparison, plot_pareto_front
 from puma_septic.plots.joints import plot_joints, plot_trajectory
 from puma_septic.plots.paper import paper_figures
 from puma_septic.plots.torque import plot_torque, plot_torque_split
@@ -11,7 +12,9 @@ from puma_septic.plots.workspace import plot_workspace
 
 __all__ = [
     "paper_figures",
+    "plot_comparison",
     "plot_joints",
+    "plot_pareto_front",
     "plot_torque",
     "plot_torque_split",
     "plot_trajectory",

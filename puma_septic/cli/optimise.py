@@ -1,0 +1,121 @@
+"""``puma-septic optimise``."""
+
+from __future__ import annotations
+
+import sys
+from argparse import Namespace
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib import import_module
+from inspect import signature
+from typing import Any
+
+import numpy as np
+
+from puma_septic import profiles as families
+from puma_septic.checks import Array
+from puma_septic.cli.arguments import Answer
+from puma_septic.cli.tasks import asked_task
+from puma_septic.errors import InputError
+from puma_septic.optimisation import (
+    LeastTime,
+    OptimisedTimes,
+    ParetoFront,
+    least_time,
+    optimise_via_times,
+    pareto_front,
+)
+from puma_septic.report import new_folder, to_json
+from puma_septic.task import ResolvedTask, Task, resolve_task
+from puma_septic.trajectory import Trajectory
+
+__all__ = ["run"]
+
+Result = OptimisedTimes | ParetoFront | LeastTime
+
+
+def run(arguments: Namespace) -> Answer:
+    """The via times of one profile, by one, two or three objectives, or for the least time."""
+    if arguments.profile and len(arguments.profile) > 1:
+        raise InputError(f"--profile: one profile is optimised at a time, got {', '.join(arguments.profile)}")
+    task = asked_task(arguments, "paper")
+    resolved = resolve_task(task)
+    with _progress() as progress:
+        result = _optimised(resolved, arguments, progress)
+    document = to_json(result.to_dict())
+    if arguments.out is not None:
+        with new_folder(arguments.out) as folder:
+            (folder / "optimisation.json").write_text(document, encoding="utf-8")
+            # matplotlib takes longer to load than most optimisations take.
+            plots, figures = import_module("puma_septic.plots"), import_module("puma_septic.report.figures")
+            if isinstance(result, ParetoFront):
+                figures.save_figure(plots.plot_pareto_front(result), folder / "front")
+            else:
+                both = [result.start, result.trajectory]
+                figure = plots.plot_trajectory(both, labels=["start", "optimum"])
+                figures.save_figure(figure, folder / "optimum")
+    return Answer(document if arguments.format == "json" else f"Task {task.name!r}\n{result}", 0)
+
+
+def _optimised(resolved: ResolvedTask, arguments: Namespace, progress: Any) -> Result:
+    objectives = arguments.objective or ["integral_of_squared_jerk"]
+    make = _make(resolved.task)
+    common = {"free": arguments.free, "seed": arguments.seed, "progress": progress}
+    if objectives == ["duration"]:
+        if arguments.keep or arguments.max_overshoot is not None:
+            raise InputError("--keep and --max-overshoot do not go with --objective duration, which keeps all limits")
+        limits = resolved.robot.limits
+        return least_time(
+            make,
+            resolved.points,
+            resolved.times,
+            max_velocity=limits.velocity,
+            max_acceleration=limits.acceleration,
+            max_jerk=limits.jerk,
+            restarts=arguments.restarts,
+            **common,
+        )
+    common |= {
+        "robot": resolved.robot,
+        "max_overshoot": arguments.max_overshoot,
+        "keep": arguments.keep,
+        "dwell": resolved.task.dwell,
+    }
+    if len(objectives) > 1:
+        return pareto_front(make, resolved.points, resolved.times, objectives=objectives, size=arguments.size, **common)
+    return optimise_via_times(
+        make, resolved.points, resolved.times, objective=objectives[0], restarts=arguments.restarts, **common
+    )
+
+
+def _make(task: Task) -> Any:
+    """The task's first profile as a function of points and times; without options the function itself."""
+    choice = task.profiles[0]
+    profile = getattr(families, choice.name)
+    parameters = signature(profile).parameters
+    if "times" in parameters and not choice.options:
+        return profile
+    if "times" not in parameters and "durations" not in parameters:
+        raise InputError(f"profile {choice.name!r} finds its own times; there are no via times to choose")
+
+    def make(points: Array, times: Array, **free: Array) -> Trajectory:
+        timing = {"times": times} if "times" in parameters else {"durations": np.diff(times)}
+        trajectory: Trajectory = profile(points, **timing, **choice.options, **free)
+        return trajectory
+
+    return make
+
+
+@contextmanager
+def _progress() -> Iterator[Any]:
+    """A bar on stderr, where that is a terminal."""
+    bar = import_module("tqdm").tqdm(file=sys.stderr, disable=None, leave=False, unit="search")
+
+    def progress(done: int, total: int) -> None:
+        bar.total = total
+        bar.update(done - bar.n)
+
+    try:
+        yield progress
+    finally:
+        bar.close()

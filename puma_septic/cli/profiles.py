@@ -1,0 +1,66 @@
+"""``puma-septic profiles``."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from dataclasses import asdict
+from textwrap import wrap
+from typing import Any, Final
+
+from puma_septic.assessment.texts import plain
+from puma_septic.cli.arguments import Answer
+from puma_septic.profiles import ProfileInfo, available, normalised_table
+from puma_septic.report import to_json
+from puma_septic.tables import Cell, text_table
+
+__all__ = ["run"]
+
+# Jerk at the ends below this is rounding.
+_ZERO: Final = 1e-9
+SCHEMA: Final = "puma-septic/profiles/1"
+_NOTE: Final = (
+    "Class: of the motion from rest to rest, the rest included (C0: the velocity steps, C1: the acceleration, C2: the"
+    " jerk); inside: between start and end. Stated for default arguments: via velocities that are given make a profile"
+    " pass its vias instead of stopping there."
+)
+_COEFFICIENTS: Final = (
+    "One unit of movement in one unit of time, from rest to rest: peaks C_v, C_a, C_j, root mean squares, largest"
+    " abs(v a), jerk at the ends. A move of h in T has max|v| = C_v h/T, max|a| = C_a h/T^2, max|jerk| = C_j h/T^3."
+)
+
+
+def run(arguments: Namespace) -> Answer:
+    """The catalogue, and the normalised table where asked for."""
+    infos = available()
+    if arguments.format == "json":
+        document: dict[str, Any] = {"schema": SCHEMA, "profiles": [asdict(info) for info in infos]}
+        if arguments.normalised:
+            rows = [{key: plain(value) for key, value in asdict(row).items()} for row in normalised_table()]
+            document["normalised"] = rows
+        return Answer(to_json(document), 0)
+    headers = ("profile", "class", "inside", "at vias", "overshoots", "needs")
+    lines = [text_table(headers, [_cells(info) for info in infos]), *wrap(_NOTE, 100)]
+    return Answer("\n".join([*lines, *(_normalised() if arguments.normalised else [])]), 0)
+
+
+def _cells(info: ProfileInfo) -> list[Cell]:
+    needs = "\n".join(wrap(info.needs, 30))
+    return [info.name, info.continuity, info.inside, info.at_vias, "may" if info.overshoots else "never", needs]
+
+
+def _normalised() -> list[str]:
+    headers = ("law", "class", "C_v", "C_a", "C_j", "rms v", "rms a", "rms j", "v a", "end")
+    rows: list[list[Cell]] = [
+        [
+            "\n".join(wrap(row.profile, 26)), row.continuity,
+            *(
+                "--" if value == float("inf") else f"{value:.4g}" if value > _ZERO else "0"
+                for value in (
+                    row.velocity, row.acceleration, row.jerk, row.rms_velocity, row.rms_acceleration, row.rms_jerk,
+                    row.power, row.end_jerk,
+                )
+            ),
+        ]
+        for row in normalised_table()
+    ]  # fmt: skip
+    return ["", text_table(headers, rows), *wrap(_COEFFICIENTS, 100)]

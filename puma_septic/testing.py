@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import inf, isfinite, nan
-
-import numpy as np
+from math import isfinite
 
 from puma_septic.assessment import Assessment, LimitCheck
-from puma_septic.assessment.checks import QUANTITIES, UNITS
+from puma_septic.assessment.checks import QUANTITIES
 from puma_septic.checks import checked_choice, checked_number
 from puma_septic.errors import InputError
 from puma_septic.tables import Cell, number, text_table
@@ -26,7 +24,7 @@ def assert_feasible(
 
     Velocity, acceleration, jerk and effort must stay below ``(1 - margin) * limit``. A position must stay
     within its bounds, whatever the margin: its distance to a bound is an angle, not a share of anything.
-    A limit that is not known cannot fail, unless the acceleration is unbounded; the message lists it.
+    A limit that is not known cannot fail, unless the acceleration or torque is unbounded; the message lists it.
 
     Parameters
     ----------
@@ -54,32 +52,9 @@ def assert_feasible(
     __tracebackhide__ = True  # pytest then points at the caller's line
     least = checked_number("margin", margin, at_least=0.0, at_most=1.0)
     ignored = _ignored(assessment, ignore)
-    failed = [
-        check
-        for check in (*assessment.checks, *_unbounded(assessment))
-        if not _is_kept(check, least) and ignored.isdisjoint(_names(check))
-    ]
+    failed = [check for check in assessment.checks if not _is_kept(check, least) and ignored.isdisjoint(_names(check))]
     if failed:
         raise AssertionError(_message(assessment, failed, least))
-
-
-def _unbounded(assessment: Assessment) -> list[LimitCheck]:
-    """Infinite accelerations, which no arm can follow, of joints whose limit is not known."""
-    robot = assessment.motion.robot
-    unlimited = np.isinf(assessment.peak_acceleration) & np.isnan(robot.limits.acceleration)
-    return [
-        LimitCheck(
-            joint=robot.joint_names[j],
-            quantity="acceleration",
-            demand=inf,
-            limit=nan,
-            unit=UNITS["acceleration"][int(robot.is_prismatic[j])],
-            time=float(assessment.peak_acceleration_time[j]),
-            margin=-inf,
-            utilisation=inf,
-        )
-        for j in np.flatnonzero(unlimited)
-    ]
 
 
 def _names(check: LimitCheck) -> set[str | tuple[str, str]]:

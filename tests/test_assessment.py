@@ -287,13 +287,16 @@ def test_a_step_in_velocity_is_infeasible_even_where_no_limit_is_known(puma: ps.
     move = ps.lspb([[0.0] * 6, [0.3] * 6], durations=[2.0], blend_time=0.0)
     result = ps.assess(unknown, move, dwell=1.0)
     assert not result.is_feasible
-    assert result.violations == ()
+    assert {check.quantity for check in result.violations} == {"acceleration", "effort"}
+    assert len(result.violations) == 12
+    assert "joint1 acceleration unbounded at t = 0 s, whatever the limit" in str(result)
+    assert result.to_dict()["violations"][0]["limit"] is None
     for name in ("acceleration", "jerk", "torque"):
         assert np.isinf(getattr(result, f"peak_{name}")).all()
         assert np.isinf(getattr(result, f"rms_{name}")).all()
     np.testing.assert_allclose(result.peak_velocity, 0.15)
     assert np.isinf(result.peak_power).all()
-    assert "infeasible: the velocity steps" in str(result)
+    assert "infeasible, 12 limits broken" in str(result)
     limited = ps.assess(puma.with_limits(acceleration=5.0), move)
     assert {check.quantity for check in limited.violations} == {"acceleration", "effort"}
     assert limited.margins["acceleration"].tolist() == [-np.inf] * 6

@@ -22,6 +22,8 @@ UNITS: Final = {
     "jerk": ("rad/s^3", "m/s^3"),
     "effort": ("N m", "N"),
 }
+# No arm can follow these where they are infinite, whatever its limits; an infinite jerk it smooths.
+_IMPOSSIBLE: Final = ("acceleration", "effort")
 # What is at its limit to rounding does not violate it.
 _ROUNDING: Final = 1e-12
 
@@ -39,12 +41,14 @@ class LimitCheck:
     demand : float
         The magnitude asked for, infinite where unbounded; for positions the extreme position.
     limit : float
-        The magnitude allowed; for positions the bound nearest to being broken.
+        The magnitude allowed; for positions the bound nearest to being broken. NaN where it is not known and the
+        demand, an infinite acceleration or effort, exceeds whatever it is.
     unit : str
     time : float
         Instant of the demand, s.
     margin : float
-        ``1 - demand / limit``; for positions the distance to the bound in rad (or m). Negative where violated.
+        ``1 - demand / limit``, ``-inf`` for an infinite demand; for positions the distance to the bound in rad (or m).
+        Negative where violated.
     utilisation : float
         ``demand / limit``; for positions the distance from the middle of the range over half the range (where only one
         bound is known: 0 within it, infinite beyond).
@@ -64,10 +68,14 @@ class LimitCheck:
         """Whether the demand exceeds the limit by more than rounding."""
         return not self.margin >= -_ROUNDING
 
+    @property
+    def limit_text(self) -> str:
+        """The limit in words."""
+        return "whatever the limit" if np.isnan(self.limit) else f"limit {self.limit:.4g} {self.unit}"
+
     def __str__(self) -> str:
         if np.isinf(self.demand):
-            limit = f"limit {self.limit:.4g} {self.unit}"
-            return f"{self.joint} {self.quantity} unbounded at t = {self.time:.4g} s, {limit}"
+            return f"{self.joint} {self.quantity} unbounded at t = {self.time:.4g} s, {self.limit_text}"
         what = f"{self.joint} {self.quantity} {self.demand:.4g} {self.unit} at t = {self.time:.4g} s"
         if self.quantity == "position":
             side = "beyond" if self.is_violated else "from"
@@ -76,15 +84,19 @@ class LimitCheck:
 
 
 def limit_checks(robot: Robot, position: Extrema, demands: Mapping[str, tuple[Array, Array]]) -> tuple[LimitCheck, ...]:
-    """Every demand whose limit is known, joint by joint; `demands` maps a quantity to magnitudes and instants."""
+    """Every demand whose limit is known or that no arm can meet, joint by joint.
+
+    `demands` maps a quantity to magnitudes and instants.
+    """
     checks = []
     for j, joint in enumerate(robot.joint_names):
         if not np.isnan(robot.limits.position[j]).all():
             checks.append(_position_check(robot, j, position))
         for quantity, (demand, time) in demands.items():
             limit = float(getattr(robot.limits, quantity)[j])
-            if not np.isnan(limit):
-                utilisation = float(demand[j]) / limit
+            impossible = quantity in _IMPOSSIBLE and np.isinf(demand[j])
+            if impossible or not np.isnan(limit):
+                utilisation = np.inf if impossible else float(demand[j]) / limit
                 checks.append(
                     LimitCheck(
                         joint=joint,

@@ -105,7 +105,7 @@ class Assessment:
 
     @cached_property
     def checks(self) -> tuple[LimitCheck, ...]:
-        """Every known limit held against its demand, joint by joint."""
+        """Every known limit held against its demand, joint by joint, and every demand that no arm can meet."""
         demands = {
             "velocity": (self.peak_velocity, self.peak_velocity_time),
             "acceleration": (self.peak_acceleration, self.peak_acceleration_time),
@@ -116,7 +116,7 @@ class Assessment:
 
     @property
     def violations(self) -> tuple[LimitCheck, ...]:
-        """The limits that are broken, the worst first."""
+        """The limits that are broken, the worst first; infinite acceleration or torque breaks an unknown one too."""
         broken = [check for check in self.checks if check.is_violated]
         return tuple(sorted(broken, key=lambda check: -check.utilisation))
 
@@ -128,7 +128,7 @@ class Assessment:
     @property
     def is_feasible(self) -> bool:
         """Whether no known limit is broken and no unbounded torque is needed (as a step in velocity would)."""
-        return not self.violations and bool(np.isfinite(self.peak_acceleration).all())
+        return not self.violations
 
     @property
     def not_assessed(self) -> tuple[str, ...]:
@@ -139,7 +139,7 @@ class Assessment:
     def margins(self) -> dict[str, Array]:
         """``1 - demand / limit`` by quantity; for positions the distance in rad to the nearest bound.
 
-        Shape (n_joints,) each; NaN where the limit is not known.
+        Shape (n_joints,) each; NaN where the limit is not known, ``-inf`` where the demand is infinite.
         """
         names = self.motion.robot.joint_names
         result = {quantity: np.full(len(names), np.nan) for quantity in QUANTITIES}

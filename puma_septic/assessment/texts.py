@@ -33,8 +33,6 @@ def verdict(assessment: Assessment) -> str:
     worst = assessment.worst
     if assessment.is_feasible:
         return "feasible" if worst is None else f"feasible; the limit used most: {worst}"
-    if not assessment.violations:
-        return "infeasible: the velocity steps, which takes unbounded torque"
     count = len(assessment.violations)
     return f"infeasible, {count} limit{'s' if count > 1 else ''} broken; the worst: {assessment.violations[0]}"
 

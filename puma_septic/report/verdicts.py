@@ -73,7 +73,7 @@ def _which(good: Sequence[str], labels: Sequence[str]) -> str:
 def _governing(check: LimitCheck) -> str:
     """The joint, its demand, its limit and the instant."""
     if np.isinf(check.demand):
-        return f"{check.joint}: {_name(check)} unbounded at {check.time:.3g} s, limit {check.limit:.4g} {check.unit}"
+        return f"{check.joint}: {_name(check)} unbounded at {check.time:.3g} s, {check.limit_text}"
     what = f"{check.joint}: {_name(check)} {check.demand:.4g} {check.unit} at {check.time:.3g} s"
     if check.quantity == "position":
         side = "beyond" if check.is_violated else "within"

@@ -54,7 +54,7 @@ def flags_of(assessment: Assessment) -> tuple[Flag, ...]:
 def _text(check: LimitCheck) -> str:
     quantity = "torque" if check.quantity == "effort" else check.quantity
     if np.isinf(check.demand):
-        return f"{check.joint}: {quantity} unbounded, limit {check.limit:.4g} {check.unit}"
+        return f"{check.joint}: {quantity} unbounded, {check.limit_text}"
     if check.quantity == "position":
         beyond = f"{-check.margin:.3g} {check.unit} beyond its bound"
         return f"{check.joint}: position {check.demand:.4g} {check.unit}, {beyond}"

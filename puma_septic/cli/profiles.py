@@ -44,7 +44,7 @@ def run(arguments: Namespace) -> Answer:
 
 
 def _cells(info: ProfileInfo) -> list[Cell]:
-    needs = "\n".join(wrap(info.needs, 30))
+    needs = "\n".join(wrap(info.needs, 29))
     return [info.name, info.continuity, info.inside, info.at_vias, "may" if info.overshoots else "never", needs]
 
 

@@ -149,7 +149,7 @@ def _broken(row: ComparedProfile, separator: str) -> str:
 
 
 def _short(value: float) -> str:
-    return "--" if np.isinf(value) else "0" if value == 0 else f"{value:.4g}"
+    return "--" if np.isinf(value) else f"{value:.4g}" if value >= 1 else f"{value:.3g}"
 
 
 def comparison_document(comparison: Comparison) -> dict[str, Any]:

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import shutil
+from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -33,3 +37,42 @@ def rng() -> np.random.Generator:
 def reference() -> Path:
     """The folder of numbers taken from elsewhere, each with its source."""
     return Path(__file__).parent / "reference"
+
+
+# ---- a real browser, for the tests that are marked so
+
+# No look at the network of its own; drawing in software, as there may be no graphics card.
+FLAGS = [
+    "--no-sandbox", "--no-first-run", "--disable-background-networking", "--disable-component-update",
+    "--disable-sync", "--disable-quic", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+]  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """Debian's chromium or another one, else the one that playwright brought."""
+    found = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    # Loaded here, as all other tests do without it.
+    with import_module("playwright.sync_api").sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=found, args=FLAGS)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture
+def complaints() -> list[str]:
+    """What the page has thrown, logged as an error or asked in a dialog."""
+    return []
+
+
+@pytest.fixture
+def page(browser: Any, complaints: list[str]) -> Iterator[Any]:
+    """A page that stands still, cannot reach any network, and whose every complaint fails the test."""
+    context = browser.new_context(viewport={"width": 1100, "height": 700}, reduced_motion="reduce", offline=True)
+    opened = context.new_page()
+    opened.on("pageerror", lambda error: complaints.append(f"{error}\n{error.stack}"))
+    opened.on("console", lambda line: complaints.append(line.text) if line.type == "error" else None)
+    opened.on("dialog", lambda dialog: (complaints.append(f"dialog: {dialog.message}"), dialog.dismiss()))
+    yield opened
+    context.close()
+    assert complaints == []

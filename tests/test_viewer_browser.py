@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import io
-import shutil
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page
 
 import puma_septic as ps
 from puma_septic.task import assess_task, load_task
@@ -20,11 +18,6 @@ from puma_septic.viewer.colours import UTILISATION, colour_at
 
 pytestmark = pytest.mark.browser
 
-# No look at the network of its own; drawing in software, as there may be no graphics card.
-FLAGS = [
-    "--no-sandbox", "--no-first-run", "--disable-background-networking", "--disable-component-update",
-    "--disable-sync", "--disable-quic", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-]  # fmt: skip
 HOSTILE = "<script>alert(1)</script>"
 
 TOOL = """k => {
@@ -58,35 +51,6 @@ PATCHES = """() => {
   }
   return patches;
 }"""
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    names = ("chromium", "chromium-browser", "google-chrome")
-    found = next(filter(None, map(shutil.which, names)), None)  # else the one that playwright brought, if any
-    with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=found, args=FLAGS)
-        yield chromium
-        chromium.close()
-
-
-@pytest.fixture
-def complaints() -> list[str]:
-    """What the page has thrown, logged as an error or asked in a dialog."""
-    return []
-
-
-@pytest.fixture
-def page(browser: Browser, complaints: list[str]) -> Iterator[Page]:
-    """A page that stands still, cannot reach any network, and whose every complaint fails the test."""
-    context = browser.new_context(viewport={"width": 1100, "height": 700}, reduced_motion="reduce", offline=True)
-    opened = context.new_page()
-    opened.on("pageerror", lambda error: complaints.append(f"{error}\n{error.stack}"))
-    opened.on("console", lambda line: complaints.append(line.text) if line.type == "error" else None)
-    opened.on("dialog", lambda dialog: (complaints.append(f"dialog: {dialog.message}"), dialog.dismiss()))
-    yield opened
-    context.close()
-    assert complaints == []
 
 
 @pytest.fixture(scope="module")

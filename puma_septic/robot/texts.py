@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from puma_septic.checks import Array
-from puma_septic.tables import Cell, html_table
+from puma_septic.tables import html_table
 
 if TYPE_CHECKING:  # the value that these texts describe stands one file up in this room
     from puma_septic.robot.model import Robot
@@ -88,7 +88,7 @@ def _triple(vector: Array) -> str:
     return ", ".join(f"{round(value, 4) + 0.0:.4g}" for value in vector.tolist())
 
 
-def _known(value: float) -> Cell:
+def _known(value: float) -> str:
     return "unknown" if np.isnan(value) else f"{value:.6g}"
 
 

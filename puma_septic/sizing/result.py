@@ -17,7 +17,7 @@ from puma_septic.sizing.checks import assess_joint
 from puma_septic.sizing.demands import Demands
 from puma_septic.sizing.loads import joint_load, motor_load
 from puma_septic.sizing.outcome import NotAssessed, Outcome, SizingCheck
-from puma_septic.sizing.texts import sizing_document, sizing_text
+from puma_septic.sizing.texts import sizing_document, sizing_html, sizing_text
 
 __all__ = ["MotorLoadProfile", "Sizing", "size"]
 
@@ -151,6 +151,9 @@ class Sizing:
 
     def __str__(self) -> str:
         return sizing_text(self)
+
+    def _repr_html_(self) -> str:
+        return sizing_html(self)
 
 
 def size(cycle: Cycle, *, drivetrains: Sequence[Drivetrain] | None = None) -> Sizing:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from html import escape
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -9,12 +10,12 @@ import numpy as np
 from puma_septic.assessment.texts import plain
 from puma_septic.sizing.demands import Demands
 from puma_septic.sizing.outcome import SizingCheck
-from puma_septic.tables import Cell, text_table
+from puma_septic.tables import Cell, html_table, text_table
 
 if TYPE_CHECKING:  # the value that these texts describe stands one file up in this room
     from puma_septic.sizing.result import Sizing
 
-__all__ = ["SCHEMA", "sizing_document", "sizing_text", "verdict"]
+__all__ = ["SCHEMA", "sizing_document", "sizing_html", "sizing_text", "verdict"]
 
 # Whatever changes in the layout of the document changes this.
 SCHEMA: Final = "puma-septic/sizing/1"
@@ -35,24 +36,39 @@ def verdict(sizing: Sizing) -> str:
 
 def sizing_text(sizing: Sizing) -> str:
     """Tables that a person reads: verdict, demands, use of every known limit, and what is not known."""
-    cycle = sizing.cycle
-    kind = "repeats" if cycle.is_periodic else "does not repeat"
-    lines = [
-        f"{cycle.robot.name}, cycle of {len(cycle.steps)} steps, {cycle.duration:g} s, {kind}: {verdict(sizing)}",
-        "",
-        _demand_table(sizing),
-        "Load: at the gearbox's output. Causes: RMS at the joint. Torques in N m (sliding joints: load in N), speeds in"
-        " 1/min; work: mechanical, in J",
-    ]
+    lines = [_head(sizing), "", text_table(*_demand_table(sizing)), _DEMANDS]
     if sizing.checks:
-        lines += ["", _check_table(sizing), "margin = 1 - demand / limit; ! marks a broken limit, ? a rule of thumb"]
+        lines += ["", text_table(*_check_table(sizing)), _CHECKS]
     if sizing.not_assessed:
         lines += ["", "Not assessed:", *(f"  {line}" for line in sizing.not_assessed)]
     lines += ["", "Remarks:", *(f"  {line}" for line in sizing.remarks)]
     return "\n".join(lines)
 
 
-def _demand_table(sizing: Sizing) -> str:
+def sizing_html(sizing: Sizing) -> str:
+    """The same for a notebook; every text is escaped."""
+    parts = [f"<p><strong>{escape(_head(sizing))}</strong></p>", html_table(*_demand_table(sizing), caption=_DEMANDS)]
+    if sizing.checks:
+        parts.append(html_table(*_check_table(sizing), caption=_CHECKS))
+    lists = (("Not assessed", sizing.not_assessed), ("Remarks", sizing.remarks))
+    parts += [f"<p>{title}: {escape('; '.join(lines))}</p>" for title, lines in lists if lines]
+    return "\n".join(parts)
+
+
+_DEMANDS: Final = (
+    "Load: at the gearbox's output. Causes: RMS at the joint. Torques in N m (sliding joints: load in N), speeds in"
+    " 1/min; work: mechanical, in J"
+)
+_CHECKS: Final = "margin = 1 - demand / limit; ! marks a broken limit, ? a rule of thumb"
+
+
+def _head(sizing: Sizing) -> str:
+    cycle = sizing.cycle
+    kind = "repeats" if cycle.is_periodic else "does not repeat"
+    return f"{cycle.robot.name}, cycle of {len(cycle.steps)} steps, {cycle.duration:g} s, {kind}: {verdict(sizing)}"
+
+
+def _demand_table(sizing: Sizing) -> tuple[list[str], list[list[Cell]]]:
     headers = [
         "joint", "load peak", "average", "gravity", "motion", "rotor", "friction", "motor peak", "at [s]", "RMS",
         "speed peak", "mean", "work out", "in",
@@ -68,10 +84,10 @@ def _demand_table(sizing: Sizing) -> str:
             cause["rotor"], cause["friction"], d.peak_torque.size, f"{d.peak_torque.time:.3f}", d.rms_torque,
             d.peak_speed.size * _RPM, d.mean_speed * _RPM, given, returned,
         ])  # fmt: skip
-    return text_table(headers, rows)
+    return headers, rows
 
 
-def _check_table(sizing: Sizing) -> str:
+def _check_table(sizing: Sizing) -> tuple[list[str], list[list[Cell]]]:
     headers = ["joint", "check", "demand", "limit", "unit", "at [s]", "use", "margin", ""]
     rows: list[list[Cell]] = []
     for joint in sizing.cycle.joint_names:
@@ -79,7 +95,7 @@ def _check_table(sizing: Sizing) -> str:
             when = "" if np.isnan(c.time) else f"{c.time:.3f}"
             use, margin = (_percent(value) for value in (c.utilisation, c.margin))
             rows.append([c.joint, c.quantity, c.demand, c.limit, c.unit, when, use, margin, _mark(c)])
-    return text_table(headers, rows)
+    return headers, rows
 
 
 def _mark(check: SizingCheck) -> str:

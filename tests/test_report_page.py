@@ -1,0 +1,396 @@
+"""The report without a browser: what is in the page, and that it asks nobody for anything."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import Counter
+from dataclasses import replace
+from html import unescape
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from urdf_texts import ARM, load
+
+import puma_septic as ps
+from puma_septic.assessment import Assessment
+from puma_septic.errors import ModelError
+from puma_septic.piecewise import Piecewise, sampled
+from puma_septic.report import page
+from puma_septic.report.charts import BOX, Curve, Mark, chart, ticks
+from puma_septic.report.groups import groups_of, svg_figures
+from puma_septic.report.panels import motion_charts, samples_of, split_charts, utilisation_bars
+from puma_septic.report.verdicts import reason, verdict_sentence
+from puma_septic.task import ResolvedTask, assess_task, load_task, make_task, resolve_task
+
+HOSTILE = "<script>alert(1)</script>"
+LEFT, RIGHT, TOP, BOTTOM = BOX
+
+
+@pytest.fixture(scope="module")
+def paper() -> tuple[ResolvedTask, tuple[Assessment, ...]]:
+    resolved = resolve_task(load_task("paper"))
+    return resolved, assess_task(resolved)
+
+
+@pytest.fixture(scope="module")
+def html(paper: tuple[ResolvedTask, tuple[Assessment, ...]]) -> str:
+    return page.tasks_html([paper])
+
+
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No replay, which most tests do not look at."""
+    monkeypatch.setattr(page, "replay_html", lambda *_, **__: "<p>replay</p>")
+
+
+def move(n: int = 6) -> ps.Trajectory:
+    return ps.quintic_segments([[0.0] * n, [0.5] * n], [0.0, 2.0])
+
+
+class Page(HTMLParser):
+    """Tags with their attributes, and the text outside of scripts and styles."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.text = ""
+        self._skipped = 0
+        self.feed(html)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+        self._skipped += tag in ("script", "style")
+
+    def handle_endtag(self, tag: str) -> None:
+        self._skipped -= tag in ("script", "style")
+
+    def handle_data(self, data: str) -> None:
+        if not self._skipped:
+            self.text += f" {data}"
+
+
+def words(html: str) -> str:
+    return " ".join(Page(html).text.split())
+
+
+def inputs_of(html: str) -> Any:
+    found = re.search("<pre>(.*?)</pre>", html, re.DOTALL)
+    assert found is not None
+    return json.loads(unescape(found[1]))
+
+
+# ---- what it says
+
+
+def test_the_verdict_comes_first_in_one_sentence(html: str) -> None:
+    text = words(html)
+    sentence = (
+        "None of the 3 profiles keeps the limits; what governs is joint5: position -1.989 rad at 0 s, 0.244 rad beyond"
+        " its bound of -1.745 rad (septic)."
+    )
+    assert text.index("Infeasible") < text.index(sentence) < text.index("Use of the limits")
+    assert "All 8 branches of the inverse kinematics break the position limit of joint5 at take and place" in text
+
+
+def test_it_has_every_part(html: str) -> None:
+    headings = re.findall("<(?:h3|summary)>([^<]*)<", html)
+    assert headings == [
+        "Use of the limits", "Replay", "Torque", "Torque by cause: septic", "Torque by cause: lspb",
+        "Torque by cause: quintic_segments", "Torque-speed plane", "Tool", "Position", "Velocity", "Acceleration",
+        "Jerk", "Numbers", "Assumptions and sources", "To repeat it", "Inputs",
+    ]  # fmt: skip
+    text = words(html)
+    assert f"puma-septic {ps.__version__}" in text
+    assert "acceleration limit: unknown for all joints" in text
+    assert "Corke, Visual Control of Robots, 1996" in text
+    assert "Margins: what is left of the limit" in text
+
+
+def test_its_inputs_repeat_it(html: str, paper: tuple[ResolvedTask, tuple[Assessment, ...]]) -> None:
+    again = make_task(inputs_of(html), origin=paper[0].task.origin)
+    assert resolve_task(again).points.tolist() == paper[0].points.tolist()
+
+
+@pytest.mark.usefixtures("quick")
+def test_a_report_of_a_motion_has_the_inputs_of_its_profile(puma: ps.Robot) -> None:
+    html = ps.report_html(ps.assess(puma, move()), title="shelf")
+    inputs = inputs_of(html)
+    assert inputs[0]["points"] == move().points.tolist()
+    assert inputs[0]["times"] == [0.0, 2.0]
+    assert "keeps every known limit" in words(html)
+
+
+def test_verdicts_of_several_profiles(puma: ps.Robot) -> None:
+    good, bad = ps.assess(puma, move()), ps.assess(puma.with_limits(velocity=0.1), move())
+    assert verdict_sentence([good, good], ["a", "b"]).startswith(
+        "All 2 profiles keep every known limit; what governs is"
+    )
+    mixed = verdict_sentence([good, bad], ["a", "b"])
+    assert mixed == (
+        "a keeps every known limit, b not; what governs is joint1: velocity 0.4688 rad/s at 1 s, 469 % of its limit"
+        " 0.1 rad/s (b)."
+    )
+
+
+def test_verdict_without_a_known_limit(tmp_path: Path) -> None:
+    robot = load(tmp_path, ARM).with_limits(
+        position=np.full((2, 2), np.nan), velocity=np.nan, effort=np.nan, acceleration=np.nan, jerk=np.nan
+    )
+    sentence = verdict_sentence([ps.assess(robot, move(2))], ["quintic"])
+    assert sentence == "quintic keeps every known limit; no limit of this robot is known."
+
+
+def test_an_unbounded_demand_governs(puma: ps.Robot) -> None:
+    straight = ps.profiles.linear([[0.0] * 6, [0.5] * 6], [0.0, 2.0])
+    assert "joint1: acceleration unbounded at 0 s" in verdict_sentence([ps.assess(puma, straight)], ["linear"])
+
+
+def test_no_reason_where_a_branch_fits() -> None:
+    assert reason(resolve_task(load_task("paper-turned"))) == ""
+
+
+# ---- what it may not do
+
+
+def test_no_outside_address_is_in_it(html: str) -> None:
+    # Names of XML vocabularies are not addresses that anything is fetched from.
+    addresses = set(re.findall(r"[a-z]+://[^\s\"'<>\\)]*", html)) - {"http://www.w3.org/2000/svg"}
+    assert addresses == set()
+    for tag, attributes in Page(html).tags:
+        assert tag not in ("object", "embed", "base", "form")
+        for name in ("src", "href"):
+            assert (attributes.get(name) or "#").startswith(("#", "data:"))
+
+
+def test_its_policy_forbids_requests(html: str) -> None:
+    (policy,) = [one["content"] for tag, one in Page(html).tags if one.get("http-equiv") == "Content-Security-Policy"]
+    assert policy is not None
+    assert policy.startswith("default-src 'none';")
+    assert "http" not in policy
+
+
+def test_it_is_small(html: str) -> None:
+    assert len(html.encode()) < 6e6
+
+
+def test_the_same_assessment_is_the_same_page(paper: tuple[ResolvedTask, tuple[Assessment, ...]], html: str) -> None:
+    assert page.tasks_html([paper]) == html
+
+
+def test_names_are_text(tmp_path: Path) -> None:
+    """Robot, joint, tool, task, point, description, profile, source and note that look like markup; with the replay."""
+    escaped = HOSTILE.replace("<", "&lt;").replace(">", "&gt;")
+    text = ARM
+    for name in ("shoulder", "tip"):
+        text = text.replace(f'"{name}"', f'"{escaped}{name}"')
+    (tmp_path / "arm.urdf").write_text(text.replace('name="arm"', f'name="{escaped}"'))
+    task = make_task(
+        {
+            "name": HOSTILE,
+            "description": HOSTILE,
+            "robot": {"source": str(tmp_path / "arm.urdf"), "tool": f"{HOSTILE}tip"},
+            "points": [{"name": HOSTILE, "joints": [0.0, 0.0]}, {"name": "</title>", "joints": [0.5, 3.0]}],
+            "times": [0.0, 1.0],
+            "profiles": ["quintic_segments"],
+        }
+    )
+    resolved = resolve_task(task)
+    robot = replace(resolved.robot, notes=(HOSTILE,)).with_limits(replace(resolved.robot.limits, source=HOSTILE))
+    trajectory = replace(resolved.trajectories[0], profile=HOSTILE)
+    html = page.tasks_html([(resolved, [ps.assess(robot, trajectory)])])
+    assert HOSTILE not in html
+    tags = Counter(tag for tag, _ in Page(html).tags)
+    assert tags["script"] == 3  # the replay's text, the instants, and the page's own
+    assert HOSTILE in Page(html).text
+    assert svg_figures([ps.assess(robot, trajectory)])["torque"].count("<script") == 0
+
+
+def test_an_arm_that_cannot_be_drawn_is_still_reported(puma: ps.Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: Any, **__: Any) -> str:
+        raise ModelError("mesh 'arm.stl' cannot be read")
+
+    monkeypatch.setattr(page, "replay_html", refuse)
+    html = ps.report_html(ps.assess(puma, move()))
+    assert "Not drawn: mesh &#39;arm.stl&#39; cannot be read" in html
+    assert "<iframe" not in html
+
+
+# ---- bad input
+
+
+@pytest.mark.usefixtures("quick")
+def test_written_once_and_never_overwritten(tmp_path: Path, puma: ps.Robot) -> None:
+    target = tmp_path / "report.html"
+    assert ps.write_report(target, ps.assess(puma, move())) == target
+    before = target.read_bytes()
+    with pytest.raises(ps.InputError, match=r"report\.html exists; nothing is overwritten"):
+        ps.write_report(target, ps.assess(puma, move()))
+    assert target.read_bytes() == before
+
+
+@pytest.mark.usefixtures("quick")
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("missing/report.html", "cannot be written there: No such file or directory"),
+        ("file/report.html", "cannot be written there: Not a directory"),
+        ("x" * 300, "cannot be written there: File name too long"),
+        ("a\0b", "cannot be written there: embedded null"),
+    ],
+)
+def test_a_place_that_cannot_be_written(tmp_path: Path, puma: ps.Robot, name: str, message: str) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ps.InputError, match=message):
+        ps.write_report(tmp_path / name, ps.assess(puma, move()))
+
+
+def test_what_is_no_assessment(puma: ps.Robot, tmp_path: Path) -> None:
+    with pytest.raises(ps.InputError, match="made of one assessment or a sequence of them, got"):
+        ps.report_html([])
+    with pytest.raises(ps.InputError, match="made of one assessment or a sequence of them, got"):
+        ps.report_html([move()])  # type: ignore[list-item]
+    with pytest.raises(ps.InputError, match="a report is of one arm; got joints"):
+        ps.report_html([ps.assess(puma, move()), ps.assess(load(tmp_path, ARM), move(2))])
+    with pytest.raises(ps.InputError, match="at least one task"):
+        page.tasks_html([])
+
+
+# ---- charts
+
+
+def points_of(one: tuple[Curve, str]) -> np.ndarray:
+    return np.array([pair.split(",") for pair in one[1].split()], dtype=float)
+
+
+def test_samples_have_both_sides_of_a_break() -> None:
+    step = Piecewise(breaks=[0.0, 1.0, 3.0], coefficients=[[[0.0], [2.0]]])
+    t, values = sampled(step, samples=6, least=3)
+    assert t.tolist() == [0.0, 0.5, 1.0, 1.0, 1.0 + 2 / 3, 1.0 + 4 / 3, 3.0]
+    assert values[:, 0].tolist() == [0.0] * 3 + [2.0] * 4
+
+
+def test_curves_are_where_their_values_are(paper: tuple[ResolvedTask, tuple[Assessment, ...]]) -> None:
+    """Read back from the picture; a hundredth of a pixel is 1/14,000 of its height."""
+    one = samples_of(paper[1][0], "septic")
+    for j, drawn in enumerate(motion_charts([one], 1)):
+        x, y = points_of(drawn.lines[0]).T
+        t = 9.0 * (x - LEFT) / (RIGHT - LEFT)
+        v = drawn.low + (BOTTOM - y) / (BOTTOM - TOP) * (drawn.high - drawn.low)
+        exact = paper[1][0].motion.trajectory(np.clip(t, 0, 9), order=1)[:, j]
+        np.testing.assert_allclose(v, exact, atol=3e-4 * (drawn.high - drawn.low))
+
+
+def test_steps_of_the_jerk_are_upright_lines(paper: tuple[ResolvedTask, tuple[Assessment, ...]]) -> None:
+    """mstraj's jerk steps at the ends of its blends, here at 1.5 s; and at both ends of the motion, from rest."""
+    drawn = motion_charts([samples_of(paper[1][1], "lspb")], 3)[1]
+    x, y = points_of(drawn.lines[0]).T
+    upright = x[:-1][(np.diff(x) == 0) & (np.abs(np.diff(y)) > 1)]
+    times = 9.0 * (upright - LEFT) / (RIGHT - LEFT)
+    for expected in (0.0, 0.5, 1.5, 2.5, 9.0):
+        assert np.abs(times - expected).min() < 1e-3  # a hundredth of a pixel is 0.3 ms
+
+
+def test_an_impulse_is_an_arrowhead(puma: ps.Robot) -> None:
+    straight = ps.profiles.linear([[0.0] * 6, [0.5] * 6], [0.0, 2.0])
+    one = samples_of(ps.assess(puma, straight), "linear")
+    marks = motion_charts([one], 2)[0].marks
+    assert [(mark.shape, mark.x) for mark, _, _ in marks] == [("up", 0.0), ("down", 2.0)]
+
+
+def test_causes_sum_to_the_total(paper: tuple[ResolvedTask, tuple[Assessment, ...]]) -> None:
+    charts, key = split_charts(samples_of(paper[1][0], "septic"), 0)
+    assert [name for _, name in key] == ["inertia", "coriolis", "gravity", "rotor", "viscous", "coulomb", "total"]
+    *causes, (total, _) = charts[1].lines
+    t = np.linspace(0.1, 8.9, 50)
+    parts = sum(np.interp(t, curve.x, curve.y) for curve, _ in causes)
+    # Straight lines between 200 samples of curves of some 60 N m.
+    np.testing.assert_allclose(parts, np.interp(t, total.x, total.y), atol=0.02)
+
+
+def test_every_axis_has_its_unit(paper: tuple[ResolvedTask, tuple[Assessment, ...]]) -> None:
+    group = [samples_of(one, f"p{k}") for k, one in enumerate(paper[1])]
+    for headed in groups_of(group):
+        for drawn in headed.charts:
+            assert re.search(r"\[.+\]$", drawn.y_label), drawn.title
+            assert re.search(r"\[.+\]$", drawn.x_label), drawn.title
+
+
+def test_a_sliding_joint_has_its_own_units(tmp_path: Path) -> None:
+    text = ARM.replace('name="shoulder" type="revolute"', 'name="shoulder" type="prismatic"')
+    one = samples_of(ps.assess(load(tmp_path, text), move(2)), "move")
+    labels = {drawn.title: drawn.y_label for drawn in motion_charts([one], 2)}
+    assert labels == {"shoulder": "acceleration [m/s²]", "elbow": "acceleration [rad/s²]"}
+
+
+def test_limits_near_are_lines_and_far_ones_are_words() -> None:
+    curve = Curve(x=np.array([0.0, 1.0]), y=np.array([-1.0, 1.0]), css="c0", profile=0, label="a")
+    near = chart("time", [curve], title="j", y_label="v [rad/s]", limits=(-1.5, 1.5))
+    assert (len(near.level_limits), near.remark) == (2, "")
+    far = chart("time", [curve], title="j", y_label="v [rad/s]", limits=(-100.0, 100.0))
+    assert (len(far.level_limits), far.remark) == (0, "limit ±100")
+    unknown = chart("time", [curve], title="j", y_label="v [rad/s]", limits=(np.nan, np.nan))
+    assert (len(unknown.level_limits), unknown.remark) == (0, "")
+
+
+def test_a_path_is_drawn_to_one_scale() -> None:
+    curve = Curve(x=np.array([0.0, 3.0]), y=np.array([0.0, 1.0]), css="c0", profile=0, label="a")
+    (x0, y0), (x1, y1) = points_of(chart("path", [curve], title="p", y_label="y [m]", x_label="x [m]").lines[0])
+    assert (y0 - y1) / (x1 - x0) == pytest.approx(1 / 3, abs=1e-3)  # hundredths of a pixel
+
+
+def test_a_still_joint_is_a_level_line_in_the_middle() -> None:
+    curve = Curve(x=np.array([0.0, 1.0]), y=np.array([1.0, 1.0 + 1e-15]), css="c0", profile=0, label="a")
+    y = points_of(chart("time", [curve], title="j", y_label="q [rad]", marks=[Mark(x=0, y=1, shape="via")]).lines[0])[
+        :, 1
+    ]
+    np.testing.assert_allclose(y, (TOP + BOTTOM) / 2, atol=0.01)
+
+
+def test_a_long_name_is_cut_but_kept_for_readers() -> None:
+    curve = Curve(x=np.array([0.0, 1.0]), y=np.array([0.0, 1.0]), css="c0", profile=0, label="a")
+    drawn = chart("time", [curve], title="a" * 40, y_label="q [rad]")
+    assert len(drawn.short_title) == 26
+    assert drawn.title == "a" * 40
+
+
+@given(st.floats(-1e6, 1e6), st.floats(1e-6, 1e6))
+def test_ticks_are_few_round_and_inside(low: float, size: float) -> None:
+    high = low + size
+    if high - low < 1e-9 * max(abs(low), abs(high)):
+        return
+    found = [value for value, _ in ticks(low, high)]
+    assert 2 <= len(found) <= 7
+    # Rounding of the values, which may be a million times the span.
+    slack = 1e-6 * (high - low)
+    assert low - slack <= found[0] < found[-1] <= high + slack
+
+
+def test_bars_tell_unknown_broken_and_unbounded(puma: ps.Robot, tmp_path: Path) -> None:
+    straight = ps.profiles.linear([[0.0] * 6, [0.5] * 6], [0.0, 2.0])
+    one = samples_of(ps.assess(puma, straight), "linear")
+    assert utilisation_bars([one])["torque"][0][1][0].text == "unbounded !"
+    robot = load(tmp_path, ARM).with_limits(velocity=[0.3, np.nan])
+    texts = [bars[0].text for _, bars in utilisation_bars([samples_of(ps.assess(robot, move(2)), "a")])["velocity"]]
+    assert texts == ["156 % !", "not known"]
+
+
+# ---- SVG files
+
+
+def test_figures_stand_alone(paper: tuple[ResolvedTask, tuple[Assessment, ...]]) -> None:
+    """Without variables in the style sheet, which drawing programs do not know, and well-formed."""
+    figures = svg_figures(paper[1][:1])
+    assert set(figures) == {
+        "torque", "torque-split-septic", "torque-speed", "tool", "position", "velocity", "acceleration", "jerk"
+    }  # fmt: skip
+    for svg in figures.values():
+        assert "var(" not in svg
+        tags = [tag for tag, _ in Page(svg).tags]
+        assert tags[0] == "svg"
+        assert "polyline" in tags

@@ -2,12 +2,13 @@
 
 from puma_septic.report.documents import SCHEMA, assess_document, profile_labels, to_json
 from puma_septic.report.folder import new_folder
-from puma_septic.report.sheets import metrics_csv, samples_csv
+from puma_septic.report.sheets import metrics_csv, named_metrics_csv, samples_csv
 
 __all__ = [
     "SCHEMA",
     "assess_document",
     "metrics_csv",
+    "named_metrics_csv",
     "new_folder",
     "profile_labels",
     "samples_csv",

@@ -15,7 +15,7 @@ from puma_septic.piecewise import Piecewise
 from puma_septic.report.documents import profile_labels
 from puma_septic.task import ResolvedTask
 
-__all__ = ["metrics_csv", "samples_csv"]
+__all__ = ["metrics_csv", "named_metrics_csv", "samples_csv"]
 
 # A fine line on a wide screen; the instants of steps are added.
 _SAMPLES: Final = 1001
@@ -31,13 +31,18 @@ def metrics_csv(tasks: Sequence[tuple[ResolvedTask, Sequence[Assessment]]]) -> s
 
     "unbounded" stands for infinity; what is not known is left empty.
     """
+    return named_metrics_csv([(resolved.task.name, assessments) for resolved, assessments in tasks])
+
+
+def named_metrics_csv(groups: Sequence[tuple[str, Sequence[Assessment]]]) -> str:
+    """`metrics_csv` of assessments under any name, which stands in the column "task"."""
     rows: list[list[Any]] = []
     headers: list[str] = []
-    for resolved, assessments in tasks:
+    for group, assessments in groups:
         for label, assessment in zip(profile_labels(assessments), assessments, strict=True):
             for joint in assessment.to_dict()["joints"]:
                 margins = {f"margin {quantity}": value for quantity, value in joint.pop("margins").items()}
-                row = {"task": resolved.task.name, "profile": label, "joint": joint.pop("name"), **joint, **margins}
+                row = {"task": group, "profile": label, "joint": joint.pop("name"), **joint, **margins}
                 headers = list(row)
                 rows.append([_guarded(value) for value in row.values()])
     return _text([headers, *rows])

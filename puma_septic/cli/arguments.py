@@ -115,6 +115,14 @@ def _add_assess(parser: ArgumentParser) -> None:
         help="write report.html, JSON, CSV and SVG figures into a new folder; nothing is overwritten",
     )
     parser.add_argument("--png", action="store_true", help="with --out: PNG figures as well, which takes seconds")
+    log = parser.add_argument_group("a motion from elsewhere, instead of TASK")
+    log.add_argument("--csv", metavar="FILE", help="columns t (s) and one for each joint (rad, m), rest at both ends")
+    log.add_argument(
+        "--smoothing", type=_positive, metavar="RAD", help="RMS residual that the spline may leave; else interpolated"
+    )
+    log.add_argument(
+        "--max-gap", type=_positive, metavar="S", help="longest step of time (10 times the usual one by default)"
+    )
 
 
 def _add_ik(parser: ArgumentParser) -> None:
@@ -165,6 +173,13 @@ def _add_task(parser: ArgumentParser) -> None:
     parser.add_argument("--parameters", metavar="NAME", help="set of drive parameters, such as rtb or akb")
     parser.add_argument("--limits", metavar="NAME", help="set of limits, such as corke, akb or benchmark")
     parser.add_argument("--tool", metavar="FRAME", help="frame that is positioned and that carries the payload")
+    parser.add_argument(
+        "--lock",
+        action="append",
+        type=_locked,
+        metavar="JOINT=RAD",
+        help="fix a joint there, m if it slides (repeatable)",
+    )
     parser.add_argument("--branch", metavar="NAME", help="branch of the inverse kinematics, or 'auto'")
 
 
@@ -183,6 +198,20 @@ def _not_negative(text: str) -> float:
     if not value >= 0:
         raise ArgumentTypeError(f"{text} is negative")
     return value
+
+
+def _positive(text: str) -> float:
+    value = _finite(text)
+    if not value > 0:
+        raise ArgumentTypeError(f"{text} is not positive")
+    return value
+
+
+def _locked(text: str) -> tuple[str, float]:
+    joint, equals, position = text.rpartition("=")
+    if not (joint and equals):
+        raise ArgumentTypeError(f"{text!r} is not JOINT=POSITION")
+    return joint, _finite(position)
 
 
 def _share(text: str) -> float:

@@ -11,11 +11,10 @@ from pathlib import Path
 from puma_septic.assessment import Assessment
 from puma_septic.cli.arguments import Answer
 from puma_septic.cli.tasks import asked_task
-from puma_septic.cli.texts import assessed_text, turned_text
+from puma_septic.cli.texts import assessed_text, is_kept, turned_text
 from puma_septic.errors import InputError
 from puma_septic.report import assess_document, metrics_csv, new_folder, profile_labels, samples_csv, to_json
 from puma_septic.task import ResolvedTask, assess_task, resolve_task
-from puma_septic.testing import assert_feasible
 
 __all__ = ["run"]
 
@@ -24,7 +23,13 @@ Assessed = tuple[ResolvedTask, tuple[Assessment, ...]]
 
 
 def run(arguments: Namespace) -> Answer:
-    """Assess the asked task; without one, the paper's and then the one with the tool turned."""
+    """Assess the asked task or log; without one, the paper's task and then the one with the tool turned."""
+    if arguments.csv is not None:  # SciPy, which fits it, takes longer to load than a task to assess
+        answer: Answer = import_module("puma_septic.cli.log").run_log(arguments)
+        return answer
+    for name in ("smoothing", "max_gap"):
+        if getattr(arguments, name) is not None:
+            raise InputError(f"--{name.replace('_', '-')} goes with --csv")
     asked = [_assessed(arguments, PAPER)]
     shown = asked if arguments.task is not None else [*asked, _assessed(arguments, TURNED)]
     if arguments.format == "json":
@@ -38,21 +43,13 @@ def run(arguments: Namespace) -> Answer:
         raise InputError("--png goes with --out: name the folder to write into")
     if arguments.out is not None:
         _write_folder(arguments.out, shown, png=arguments.png)
-    is_feasible = all(_is_kept(one, arguments.margin) for one in asked[0][1])
+    is_feasible = all(is_kept(one, arguments.margin) for one in asked[0][1])
     return Answer(text, 0 if is_feasible else 1)
 
 
 def _assessed(arguments: Namespace, default: str) -> Assessed:
     resolved = resolve_task(asked_task(arguments, default))
     return resolved, assess_task(resolved)
-
-
-def _is_kept(assessment: Assessment, margin: float) -> bool:
-    try:
-        assert_feasible(assessment, margin)
-    except AssertionError:
-        return False
-    return assessment.is_feasible
 
 
 def _write_folder(path: str, shown: Sequence[Assessed], *, png: bool) -> None:

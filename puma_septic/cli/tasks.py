@@ -37,12 +37,14 @@ def asked_task(arguments: Namespace, default: str) -> Task:
 
 def asked_robot(arguments: Namespace, given: dict[str, Any]) -> dict[str, Any]:
     """The section ``robot`` with the options' replacements."""
-    robot = {"source": _path(arguments.robot)} if arguments.robot else dict(given)
+    robot: dict[str, Any] = {"source": _path(arguments.robot)} if arguments.robot else dict(given)
     if arguments.actuators:
         robot["actuators"] = str(Path(arguments.actuators).absolute())
     for key in ("parameters", "limits", "tool"):
         if getattr(arguments, key) is not None:
             robot[key] = getattr(arguments, key)
+    if arguments.lock:
+        robot["locked"] = {**robot.get("locked", {}), **dict(arguments.lock)}
     return robot
 
 

@@ -15,7 +15,7 @@ from puma_septic.tables import Cell, text_table
 from puma_septic.task import Branch, ResolvedTask
 from puma_septic.testing import assert_feasible
 
-__all__ = ["assessed_text", "broken_text", "turned_text", "wrapped"]
+__all__ = ["assessed_text", "broken_text", "is_kept", "margin_text", "turned_text", "wrapped"]
 
 WIDTH: Final = 100
 _COLUMNS: Final = re.compile(r"\S  +\S")
@@ -40,7 +40,7 @@ def assessed_text(resolved: ResolvedTask, assessments: Sequence[Assessment], mar
     if resolved.has_poses and not resolved.branch.is_within_limits:
         parts.append(broken_text(resolved))
     if margin:
-        parts.append(_margin_text(assessments, margin))
+        parts.append(margin_text(assessments, margin))
     for label, assessment in zip(profile_labels(assessments), assessments, strict=True):
         parts += [_rule(label), wrapped(str(assessment))]
     return "\n\n".join(parts)
@@ -139,7 +139,7 @@ def _choice(resolved: ResolvedTask) -> str:
     return ", chosen because it is the least beyond its limits: none is within them"
 
 
-def _margin_text(assessments: Sequence[Assessment], margin: float) -> str:
+def margin_text(assessments: Sequence[Assessment], margin: float) -> str:
     """What is not kept with the margin that was asked for."""
     parts = []
     for label, assessment in zip(profile_labels(assessments), assessments, strict=True):
@@ -150,6 +150,15 @@ def _margin_text(assessments: Sequence[Assessment], margin: float) -> str:
         else:
             parts.append(f"{label}: every known limit is kept with {100 * margin:g} % to spare")
     return wrapped("\n\n".join(parts))
+
+
+def is_kept(assessment: Assessment, margin: float) -> bool:
+    """Whether every known limit is kept with this margin."""
+    try:
+        assert_feasible(assessment, margin)
+    except AssertionError:
+        return False
+    return True
 
 
 def _use(assessment: Assessment, quantity: str) -> str:

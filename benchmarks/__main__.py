@@ -11,10 +11,12 @@ sys.path.insert(0, str(Path(__file__).parent))
 import bench_assessment
 import bench_ik
 import bench_processes
+import bench_sizing
+import bench_profiles
 
 from puma_septic.tables import text_table
 
-for benchmark in (bench_assessment, bench_processes, bench_ik):
+for benchmark in (bench_assessment, bench_processes, bench_ik, bench_profiles):
     headers, *rows = benchmark.run()
     print(text_table(headers, rows), flush=True)
     print()

@@ -35,6 +35,7 @@ _HOMES: Final = {
     "Replay": "viewer",
     "ResolvedTask": "task",
     "Robot": "robot",
+    "Selection": "sizing",
     "Sizing": "sizing",
     "Task": "task",
     "Trajectory": "trajectory",
@@ -134,6 +135,7 @@ if TYPE_CHECKING:
     from puma_septic.robot import Robot as Robot
     from puma_septic.robot import Wrench as Wrench
     from puma_septic.robot import load_robot as load_robot
+    from puma_septic.sizing import Selection as Selection
     from puma_septic.sizing import Sizing as Sizing
     from puma_septic.sizing import size as size
     from puma_septic.task import ResolvedTask as ResolvedTask

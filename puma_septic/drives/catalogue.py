@@ -111,16 +111,23 @@ class Catalogue:
         i = int(self.motor_index[k])
         motor, gearbox = self.motors[i], self.gearboxes[int(self.gearbox_index[k])]
         pair = None if self.pairs is None else self.pairs[k]
-        own = self.drives[i] if self.drives else Drive()
         parts = {
             "motor": motor,
             "gearbox": gearbox,
+            "drive": self.drive(i, None if places is None else places[joint]),
             "measured_friction": None if pair is None else pair.friction,
             "max_effort": np.nan if pair is None else pair.max_effort,
         }
-        if places is None:
-            return Drivetrain(drive=own, **parts)  # type: ignore[arg-type]
-        return replace(places[joint], drive=_merged(places[joint].drive, own), **parts)  # type: ignore[arg-type]
+        return Drivetrain(**parts) if places is None else replace(places[joint], **parts)  # type: ignore[arg-type]
+
+    def drive(self, i: int, place: Drivetrain | None = None) -> Drive:
+        """What feeds the i-th motor: the joint's drive, with the voltage of the motor's where it has none."""
+        own = self.drives[i] if self.drives else Drive()
+        if place is None:
+            return own
+        if np.isnan(place.drive.bus_voltage) and not np.isnan(own.bus_voltage):
+            return replace(place.drive, bus_voltage=own.bus_voltage)
+        return place.drive
 
     def masses(self) -> Array:
         """Of motor and gearbox together, kg, shape (n_pairs,); NaN where either is unknown."""
@@ -135,14 +142,7 @@ class Catalogue:
         return checked_array(name, motors[self.motor_index] + gearboxes[self.gearbox_index], (None,), allow_nan=True)
 
 
-def _merged(drive: Drive, own: Drive) -> Drive:
-    """The joint's drive; the voltage of the motor's where it has none."""
-    return drive if np.isnan(own.bus_voltage) or drive.name or not np.isnan(drive.bus_voltage) else replace(
-        drive, bus_voltage=own.bus_voltage, name=own.name
-    )  # fmt: skip
-
-
-def _places(kind: str, parts: Sequence[Motor] | Sequence[Gearbox]) -> dict[str, int]:
+def _places(kind: str, parts: Sequence[Motor | Gearbox]) -> dict[str, int]:
     if not parts:
         raise InputError(f"a catalogue needs at least one {kind}")
     places: dict[str, int] = {}

@@ -108,6 +108,10 @@ def compute_motion(robot: Robot, trajectory: Trajectory) -> Motion:
 
 
 def _check_joints(robot: Robot, trajectory: Trajectory) -> None:
+    if not (isinstance(robot, Robot) and isinstance(trajectory, Trajectory)):
+        raise InputError(
+            f"a robot and a trajectory are needed, got {type(robot).__name__} and {type(trajectory).__name__}"
+        )
     if trajectory.n_joints != robot.n_joints:
         raise InputError(
             f"the trajectory has {trajectory.n_joints} joints, robot {robot.name!r} has {robot.n_joints}:"

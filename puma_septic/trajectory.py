@@ -204,7 +204,7 @@ class Trajectory:
         off = _ROUNDING * late * size + _RESAMPLED * (size > 0) * size.sum(axis=0)
         noise = np.tensordot(end_derivatives(self.position.degree), off, 1) * (2 / lengths) ** _ORDERS
         noise = np.maximum(_JUMP_TOLERANCE * largest, noise.transpose(1, 0, 2).reshape(len(lengths), -1))
-        return np.maximum(np.concatenate([noise[:1], noise]), np.concatenate([noise, noise[-1:]]))
+        return np.asarray(np.maximum(np.concatenate([noise[:1], noise]), np.concatenate([noise, noise[-1:]])))
 
     @property
     def overshoot(self) -> Array:

@@ -330,3 +330,9 @@ def test_joints_that_do_not_match_are_named(puma: ps.Robot) -> None:
     with pytest.raises(ps.InputError, match=message):
         ps.compute_motion(puma, ps.septic(POINTS, TIMES, joint_names=swapped))
     assert ps.compute_motion(puma, ps.septic(POINTS, TIMES, joint_names=puma.joint_names)).n_evaluations > 0
+
+
+def test_a_robot_and_a_trajectory_are_needed_in_this_order() -> None:
+    move = ps.quintic_segments([[0.0] * 6, [0.5] * 6], [0.0, 1.0])
+    with pytest.raises(ps.InputError, match="a robot and a trajectory are needed, got Trajectory and Robot"):
+        ps.compute_motion(move, ps.load_robot())  # type: ignore[arg-type]

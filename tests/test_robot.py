@@ -156,3 +156,19 @@ def test_notes_of_the_puma_name_its_unphysical_tensors(puma: ps.Robot) -> None:
     assert "link 'link1': mass 0 with an inertia, used as it is" in puma.notes
     assert any(note.startswith("link 'link3': principal moments 0.0125 + 0.066 < 0.086") for note in puma.notes)
     assert puma.missing_inertia == ()
+
+
+def test_only_values_of_our_own_kinds_are_taken() -> None:
+    """A list in place of a Wrench was once taken, and failed only when a torque was asked for."""
+    robot = ps.load_robot()
+    with pytest.raises(ps.InputError, match=r"payload: expected Payload\(...\), got 2.5"):
+        robot.with_payload(2.5)  # type: ignore[arg-type]
+    with pytest.raises(ps.InputError, match=r"wrench: expected Wrench\(...\), got \[1, 2, 3\]"):
+        robot.with_wrench([1, 2, 3])  # type: ignore[arg-type]
+    with pytest.raises(ps.InputError, match=r"limits: expected Limits\(...\), got 5"):
+        robot.with_limits(5)  # type: ignore[arg-type]
+    with pytest.raises(ps.InputError, match=r"actuators: expected Actuator\(...\), got 1"):
+        robot.with_actuators((1,) * 6)  # type: ignore[arg-type]
+    for wrong in ("fast", True):
+        with pytest.raises(ps.InputError, match="velocity: expected numbers"):
+            robot.with_limits(velocity=wrong)  # type: ignore[arg-type]

@@ -163,10 +163,11 @@ def _size(value: float, check: LimitCheck | None) -> str:
 
 def _tool_text(assessment: Assessment) -> str:
     tool = assessment.tool
-    acceleration = "unbounded" if np.isinf(tool.peak_acceleration) else f"{tool.peak_acceleration:.3f} m/s^2"
+    bounded = np.isfinite(tool.peak_acceleration)
+    acceleration = f"acceleration up to {tool.peak_acceleration:.3f} m/s^2" if bounded else "acceleration unbounded"
     parts = [
         f"Tool {assessment.motion.robot.tool!r}: speed up to {tool.peak_speed:.3f} m/s at {tool.peak_speed_time:.3f} s,"
-        f" acceleration up to {acceleration}, height {tool.height_range[0]:.3f} to {tool.height_range[1]:.3f} m"
+        f" {acceleration}, height {tool.height_range[0]:.3f} to {tool.height_range[1]:.3f} m"
     ]
     for report in tool.singularities:
         if len(report.crossings):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any, final
+from typing import Any, TypeVar, final
 
 import numpy as np
 import pinocchio as pin
@@ -16,6 +16,8 @@ from puma_septic.robot.texts import robot_html
 from puma_septic.robot.values import Actuator, Limits, Payload, Wrench
 
 __all__ = ["Robot"]
+
+_Value = TypeVar("_Value")
 
 
 @final
@@ -100,7 +102,14 @@ class Robot:
         object.__setattr__(self, "model", self._loaded_model())
 
     def _check_consistent(self) -> None:
-        """A name that Pinocchio does not know would be answered with an index past the end."""
+        """Refuse what would fail later, or not at all: Pinocchio answers an unknown name with an index past the end."""
+        _instance("limits", self.limits, Limits)
+        if self.payload is not None:
+            _instance("payload", self.payload, Payload)
+        if self.wrench is not None:
+            _instance("wrench", self.wrench, Wrench)
+        for actuator in self.actuators:
+            _instance("actuators", actuator, Actuator)
         checked_choice("tool frame", self.tool, [frame.name for frame in self.bare_model.frames])
         for name in self.joint_names:
             checked_choice("joint", name, list(self.bare_model.names)[1:])
@@ -194,26 +203,27 @@ class Robot:
         effort: ArrayLike | None = None,
     ) -> Robot:
         """The same arm with other limits: a whole set, or the named ones; a scalar holds for all joints."""
-        new = self.limits if limits is None else limits
+        new = self.limits if limits is None else _instance("limits", limits, Limits)
         given = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk, "effort": effort}
-        changes: dict[str, Any] = {
-            name: checked_array(
-                name,
-                np.broadcast_to(np.asarray(value, dtype=float), (self.n_joints,)),
-                (None,),
-                allow_nan=True,
-            )
-            if np.ndim(value) == 0
-            else checked_array(name, value, (self.n_joints,), allow_nan=True)
-            for name, value in given.items()
-            if value is not None
-        }
+        changes: dict[str, Any] = {}
+        for name, value in given.items():
+            if value is not None:
+                shape = () if np.ndim(value) == 0 else (self.n_joints,)
+                checked = checked_array(name, value, shape, allow_nan=True)
+                changes[name] = np.broadcast_to(checked, (self.n_joints,))
         if position is not None:
             changes["position"] = checked_array("position", position, (self.n_joints, 2), allow_nan=True)
         return replace(self, limits=replace(new, **changes) if changes else new)
 
     def _repr_html_(self) -> str:
         return robot_html(self)
+
+
+def _instance(name: str, value: _Value, kind: type[_Value]) -> _Value:
+    """The value, if it is one of ours: a list in its place would be found out much later, if at all."""
+    if not isinstance(value, kind):
+        raise InputError(f"{name}: expected {kind.__name__}(...), got {value!r}")
+    return value
 
 
 def _frame_id(model: pin.Model, name: str) -> int:

@@ -39,7 +39,8 @@ def load_task(source: str | Path) -> Task:
     Parameters
     ----------
     source : str or Path
-        A name out of `task_names`, such as "paper", or the path of a .yaml or .yml file; paths in it are relative to its folder.
+        A name out of `task_names`, such as "paper", or the path of a .yaml or .yml file; paths in it are relative to
+        its folder.
 
     Raises
     ------

@@ -94,6 +94,8 @@ def resolve_task(task: Task) -> ResolvedTask:
     >>> resolved.branch.configuration, resolved.broken_in_all_branches
     ('right-down-flip', (('joint5', 'take'), ('joint5', 'place')))
     """
+    if not isinstance(task, Task):
+        raise InputError(f"expected a task from load_task, got {task!r}")
     robot, waypoints = solve_points(task)
     names = tuple(point.name or f"points[{k}]" for k, point in enumerate(task.points))
     branches = branches_through(robot, waypoints)

@@ -57,15 +57,11 @@ def fit_trajectory(
 ) -> Trajectory:
     """A quintic spline through, or near, the samples of a motion made elsewhere.
 
-    - Positions alone: the interpolating quintic spline, continuous to the fourth derivative, at rest at both
-    ends
+    - Positions alone: the interpolating quintic spline, continuous to the fourth derivative, at rest at both ends
       (velocity and acceleration zero), as a recorded motion from stop to stop is.
-    - With velocities, as planners give them: a quintic per step through q and v whose accelerations make the
-    jerk
-      continuous too; zero acceleration at both ends. With accelerations also: a quintic per step through all
-      three.
-    - With `smoothing`, for noisy samples: the least-squares quintic spline from rest to rest on as few
-    intervals as
+    - With velocities, as planners give them: a quintic per step through q and v whose accelerations make the jerk
+      continuous too; zero acceleration at both ends. With accelerations also: a quintic per step through all three.
+    - With `smoothing`, for noisy samples: the least-squares quintic spline from rest to rest on as few intervals as
       hold the RMS residual of every joint to that value; the knots divide the samples evenly.
 
     The trajectory keeps the samples as its `points` and `times`: `fit_residual` tells what is left, and

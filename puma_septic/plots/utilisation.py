@@ -55,12 +55,15 @@ def plot_utilisation(assessment: Assessment | Sequence[Assessment], *, labels: S
     """
     group = as_group(assessment, Assessment, lambda one: one.motion.robot.n_joints)
     names = unique_labels([one.motion.trajectory.profile for one in group], labels)
-    known = [quantity for quantity in QUANTITIES if any(c.quantity == quantity for one in group for c in one.checks)]
+    checks = [check for one in group for check in one.checks]
+    shown = [quantity for quantity in QUANTITIES if any(check.quantity == quantity for check in checks)]
+    # An infinite acceleration or torque breaks a limit that is not known, too.
+    known = {check.quantity for check in checks if not np.isnan(check.limit)}
     unknown = [quantity for quantity in QUANTITIES if quantity not in known]
     joints = group[0].motion.robot.joint_names
     figure = new_figure(1.0 + 0.16 * len(joints) * (len(group) + 1))
-    panels = figure.subplots(1, max(1, len(known)), sharey=True, squeeze=False)[0]
-    for panel, quantity in zip(panels, known, strict=False):
+    panels = figure.subplots(1, max(1, len(shown)), sharey=True, squeeze=False)[0]
+    for panel, quantity in zip(panels, shown, strict=False):
         titled(panel, "torque" if quantity == "effort" else quantity)
         _draw_bars(panel, group, quantity)
     for panel in panels:

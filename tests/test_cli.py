@@ -142,7 +142,7 @@ def test_auto_says_when_no_branch_is_within_limits(capsys: pytest.CaptureFixture
 def test_out_has_report_json_samples_and_figures(
     joints: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    main(["assess", joints, "--format", "json", "--out", str(tmp_path / "out")])
+    main(["assess", joints, "--format", "json", "--no-png", "--out", str(tmp_path / "out")])
     assert (tmp_path / "out" / "assessment.json").read_text() == capsys.readouterr().out
     assert (tmp_path / "out" / "report.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     names = {path.name for path in (tmp_path / "out" / "small").iterdir()}
@@ -153,7 +153,7 @@ def test_out_has_report_json_samples_and_figures(
 
 
 def test_png_adds_the_figures_of_matplotlib(joints: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["assess", joints, "--out", str(tmp_path / "out"), "--png"]) == 0
+    assert main(["assess", joints, "--out", str(tmp_path / "out")]) == 0
     assert capsys.readouterr().err == ""
     found = {path.name: path.read_bytes() for path in (tmp_path / "out" / "small").glob("*.png")}
     drawn = ("joints", "torque", "torque-split-quintic_segments", "utilisation", "workspace")
@@ -288,7 +288,7 @@ def assert_bad_input(arguments: list[str], message: str, capsys: pytest.CaptureF
         (["assess", "--payload", "-1"], "--payload: -1 is negative"),
         (["assess", "--dwell", "inf"], "--dwell: 'inf' is not a finite number"),
         (["assess", "--margin", "20"], "--margin: 20 is not between 0 and 1"),
-        (["assess", "--png"], "--png goes with --out: name the folder to write into"),
+        (["assess", "--no-png"], "--no-png goes with --out: name the folder to write into"),
         (["assess", "--format", "xml"], "--format: invalid choice: 'xml'"),
     ],
 )

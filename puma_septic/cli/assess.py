@@ -39,10 +39,10 @@ def run(arguments: Namespace) -> Answer:
     else:
         parts = [assessed_text(*asked[0], arguments.margin), *(turned_text(*one) for one in shown[1:])]
         text = "\n\n".join(parts)
-    if arguments.png and arguments.out is None:
-        raise InputError("--png goes with --out: name the folder to write into")
+    if arguments.no_png and arguments.out is None:
+        raise InputError("--no-png goes with --out: name the folder to write into")
     if arguments.out is not None:
-        _write_folder(arguments.out, shown, png=arguments.png)
+        _write_folder(arguments.out, shown, png=not arguments.no_png)
     is_feasible = all(is_kept(one, arguments.margin) for one in asked[0][1])
     return Answer(text, 0 if is_feasible else 1)
 

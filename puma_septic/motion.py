@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from puma_septic.checks import Array
 from puma_septic.dynamics import TorqueTerms, check_inertia, coulomb_torque, smooth_terms, smooth_torque
-from puma_septic.errors import InputError
+from puma_septic.errors import InputError, PumaSepticError
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
@@ -73,7 +73,7 @@ def compute_motion(robot: Robot, trajectory: Trajectory) -> Motion:
     Raises
     ------
     InputError
-        If the joints do not match.
+        If the joints do not match, or swing so wildly that their torque cannot be resolved.
     ModelError
         If the robot description lacks inertia.
 
@@ -97,7 +97,10 @@ def compute_motion(robot: Robot, trajectory: Trajectory) -> Motion:
         state = trajectory.state(t)
         return smooth_torque(robot, state[:, :n], state[:, n : 2 * n], state[:, 2 * n : 3 * n])
 
-    smooth = Piecewise.fit(torque_at, trajectory.breaks)
+    try:
+        smooth = Piecewise.fit(torque_at, trajectory.breaks)
+    except PumaSepticError as error:
+        raise InputError(_why_not_resolved(robot, trajectory)) from error
     velocity = _moving_velocity(trajectory)
     smooth = smooth.split(np.concatenate(velocity.roots()))
     sign = np.sign(velocity((smooth.breaks[:-1] + smooth.breaks[1:]) / 2))
@@ -122,6 +125,18 @@ def _check_joints(robot: Robot, trajectory: Trajectory) -> None:
             f"the trajectory's joints {', '.join(trajectory.joint_names)} are not those of robot {robot.name!r},"
             f" {', '.join(robot.joint_names)}, in this order"
         )
+
+
+def _why_not_resolved(robot: Robot, trajectory: Trajectory) -> str:
+    """What a trajectory does whose torque no series of a sensible length describes: the joint that swings most."""
+    position = trajectory.extrema(0)
+    j = int(np.argmax(position.max - position.min))
+    unit = "m" if robot.is_prismatic[j] else "rad"
+    return (
+        f"the torque along this trajectory ({trajectory.profile}) cannot be resolved: joint {robot.joint_names[j]!r}"
+        f" swings from {position.min[j]:.4g} to {position.max[j]:.4g} {unit} in {trajectory.duration:.4g} s; are its"
+        " points and times meant?"
+    )
 
 
 def _moving_velocity(trajectory: Trajectory) -> Piecewise:

@@ -60,7 +60,7 @@ def test_arrays_are_copied_and_read_only() -> None:
         ([0.0], np.ones((1, 1, 1)), "breaks: at least 2 times are needed, got 1"),
         ([0.0, 1.0, 1.0], np.ones((1, 2, 1)), r"breaks\[1\] = 1 s is followed by 1 s"),
         ([0.0, np.nan], np.ones((1, 1, 1)), r"breaks\[1\] = nan s is not a finite number"),
-        ([0.0, 1.0], np.ones((1, 2, 1)), r"coefficients: shape \(1, 2, 1\) is not \(n, 1, n\)"),
+        ([0.0, 1.0], np.ones((1, 2, 1)), r"coefficients: shape \(1, 2, 1\) is not \(n, 1, m\)"),
         ([0.0, 1.0], np.ones((1, 1)), r"coefficients: shape \(1, 1\)"),
         ([0.0, 1.0], np.full((1, 1, 1), np.inf), "coefficients.* = inf is not a finite number"),
         ([0.0, 1.0], np.ones((0, 1, 1)), "at least one"),

@@ -336,3 +336,11 @@ def test_a_septic_visits_its_points(seed: int) -> None:
     reach = move.extrema(0)
     excess = np.maximum(reach.max - move.points.max(axis=0), move.points.min(axis=0) - reach.min)
     np.testing.assert_allclose(move.overshoot, excess, rtol=0, atol=1e-12)
+
+
+def test_what_is_kept_cannot_be_written_to() -> None:
+    """Extrema are computed once and shared: a caller could once change the next one's answer."""
+    move = ps.septic([[0.0], [0.5], [1.0], [1.5]], [0.0, 1.0, 2.0, 3.0])
+    for array in (move.extrema(0).max, move.extrema(2).t_min, move.jumps(3).times, move.jumps(3).sizes):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1.0

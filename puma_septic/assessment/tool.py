@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from puma_septic.checks import Array
+from puma_septic.checks import Array, read_only
 from puma_septic.kinematics import tool_motion
 from puma_septic.kinematics.singularity import singularity_distances, singularity_names, singularity_zeros
 from puma_septic.motion import Motion
@@ -118,4 +118,4 @@ def _zeros(distances: Piecewise, k: int, inside: Array, zero: float) -> Array:
     times = times[np.abs(distances(times)[:, k]) <= zero]
     between = distances((times[:-1] + times[1:]) / 2)[:, k]
     first = np.concatenate([[True], np.abs(between) > zero])
-    return np.asarray(times[first[: len(times)]])
+    return read_only(times[first[: len(times)]])

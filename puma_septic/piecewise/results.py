@@ -31,6 +31,11 @@ class Extrema:
     t_min: Array
     t_max: Array
 
+    def __post_init__(self) -> None:
+        # Kept by what they describe, which writing to them would falsify.
+        for array in (self.min, self.max, self.t_min, self.t_max):
+            array.setflags(write=False)
+
     @property
     def peak(self) -> Array:
         """Largest magnitude, shape (m,)."""
@@ -59,3 +64,7 @@ class Jumps:
 
     times: Array
     sizes: Array
+
+    def __post_init__(self) -> None:
+        self.times.setflags(write=False)
+        self.sizes.setflags(write=False)

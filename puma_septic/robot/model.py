@@ -98,6 +98,7 @@ class Robot:
             "coulomb_friction": read_only(np.nan_to_num(coulomb)),
         }
         for name, value in derived.items():
+            value.setflags(write=False)
             object.__setattr__(self, name, value)
         object.__setattr__(self, "model", self._loaded_model())
 

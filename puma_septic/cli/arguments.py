@@ -11,6 +11,7 @@ from typing import NamedTuple, NoReturn
 
 from puma_septic import __version__
 from puma_septic.cli.choosing import COMPARE, OPTIMISE, PROFILES, add_compare, add_optimise, add_profiles
+from puma_septic.cli.sizing import SIZE, add_size
 
 __all__ = ["Answer", "parse"]
 
@@ -55,6 +56,12 @@ def parse(argv: Sequence[str] | None) -> Namespace:
         _add_task(choosing)
         add(choosing)
     add_profiles(_command(commands, "profiles", "what profiles there are", PROFILES))
+    size = _command(commands, "size", "motors and gearboxes for a duty cycle: strong enough, or chosen", SIZE)
+    _add_task(size)
+    size.add_argument("--profile", action="append", metavar="NAME", help="this profile instead of the task's first one")
+    size.add_argument("--payload", type=_not_negative, metavar="KG", help="a point mass at the tool's origin")
+    size.add_argument("--dwell", type=_not_negative, metavar="S", help="rest after each motion")
+    add_size(size)
     # argparse takes -1e-3 for an option (before Python 3.14); after a space it is a value, and the same number.
     given = sys.argv[1:] if argv is None else argv
     return parser.parse_args([f" {text}" if _NEGATIVE.fullmatch(text) else text for text in given])

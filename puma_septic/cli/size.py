@@ -1,0 +1,120 @@
+"""``puma-septic size``."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from importlib import import_module
+from pathlib import Path
+
+from puma_septic.cli.arguments import Answer
+from puma_septic.cli.tasks import asked_task
+from puma_septic.cli.texts import wrapped
+from puma_septic.cycle import Cycle, Dwell, with_return
+from puma_septic.drives import (
+    BUILT_IN,
+    Catalogue,
+    Drivetrain,
+    built_in_catalogue,
+    load_catalogue,
+    load_drivetrains,
+    own_drivetrains,
+)
+from puma_septic.errors import InputError
+from puma_septic.motion import compute_motion
+from puma_septic.report import new_folder, to_json
+from puma_septic.report.sizing_sheets import checks_csv, load_profile_csv, pairs_csv
+from puma_septic.robot import Robot
+from puma_septic.sizing import Selection, Sizing, size
+from puma_septic.task import ResolvedTask, resolve_task
+
+__all__ = ["run"]
+
+
+def run(arguments: Namespace) -> Answer:
+    """Size the arm's own drives, or choose from a catalogue."""
+    resolved = resolve_task(asked_task(arguments, "paper"))
+    cycle = _cycle(resolved, one_way=arguments.one_way)
+    found: Sizing | Selection
+    if arguments.catalogue is None:
+        found = size(cycle, drivetrains=_own(resolved.robot, arguments.drives))
+    else:
+        found = size(
+            cycle,
+            catalogue=_catalogue(arguments.catalogue),
+            rank=arguments.rank,
+            keep=arguments.keep,
+            masses=arguments.masses,
+        )
+    if arguments.out is not None:
+        _write_folder(arguments.out, found)
+    return Answer(_text(arguments, resolved, found), 0 if found.is_feasible else 1)
+
+
+def _cycle(resolved: ResolvedTask, *, one_way: bool) -> Cycle:
+    """The task's first profile and, unless one way, the way back with an empty hand, each with the task's rest."""
+    motion = compute_motion(resolved.robot, resolved.trajectories[0])
+    dwell = resolved.task.dwell
+    if one_way:
+        return Cycle(steps=(motion, Dwell(duration=dwell)) if dwell else (motion,))
+    return with_return(motion, dwell=dwell, robot_back=resolved.robot.with_payload(None))
+
+
+def _own(robot: Robot, file: str | None) -> tuple[Drivetrain, ...]:
+    """What is known of the arm's own drives: a file, the built-in one, or its actuators alone."""
+    if file is not None:
+        return load_drivetrains(robot, file)
+    return load_drivetrains(robot) if robot.name == "puma560" else own_drivetrains(robot)
+
+
+def _catalogue(files: list[str]) -> Catalogue:
+    if len(files) == 1 and files[0] in BUILT_IN:
+        return built_in_catalogue(files[0])
+    if len(files) not in (2, 3):
+        raise InputError(
+            f"--catalogue: {len(files)} files given; expected motors and gearboxes, pairs if not all fit together, or"
+            f" one of {', '.join(BUILT_IN)}"
+        )
+    return load_catalogue(*files)
+
+
+def _text(arguments: Namespace, resolved: ResolvedTask, found: Sizing | Selection) -> str:
+    if arguments.format == "json":
+        return to_json({"task": resolved.task.document(), **found.to_dict()})
+    if arguments.format == "csv":
+        return checks_csv(found) if isinstance(found, Sizing) else pairs_csv(found)
+    steps = [_step(step) for step in found.cycle.steps]
+    head = f"Task {resolved.task.name!r}, profile {resolved.trajectories[0].profile}: {', '.join(steps)}"
+    return "\n\n".join([wrapped(head), wrapped(str(found)), *_more(found)])
+
+
+def _step(step: object) -> str:
+    if isinstance(step, Dwell):
+        return f"rest {step.duration:g} s"
+    payload = step.robot.payload  # type: ignore[attr-defined]
+    return f"move {step.trajectory.duration:g} s with {0 if payload is None else payload.mass:g} kg"  # type: ignore[attr-defined]
+
+
+def _more(found: Sizing | Selection) -> list[str]:
+    """The chosen drives in full."""
+    if isinstance(found, Sizing) or found.sizing is None:
+        return []
+    return ["The first pair of each joint:", wrapped(str(found.sizing))]
+
+
+def _write_folder(path: str, found: Sizing | Selection) -> None:
+    """One document, one table of checks, one of pairs, a load profile per motor, and figures."""
+    sizing = found if isinstance(found, Sizing) else found.sizing
+    with new_folder(path) as folder:
+        (folder / "sizing.json").write_text(to_json(found.to_dict()), encoding="utf-8")
+        if isinstance(found, Selection):
+            (folder / "pairs.csv").write_text(pairs_csv(found), encoding="utf-8")
+        if sizing is None:
+            return
+        (folder / "checks.csv").write_text(checks_csv(sizing), encoding="utf-8")
+        for name in sizing.cycle.joint_names:
+            profile = load_profile_csv(sizing.motor_load_profile(name))
+            (folder / f"load-profile-{Path(name).name}.csv").write_text(profile, encoding="utf-8")
+        # matplotlib takes longer to load than everything else takes to compute.
+        figures = import_module("puma_septic.report.figures")
+        for name, figure in import_module("puma_septic.plots.sizing").sizing_figures(sizing):
+            figures.save_figure(figure, folder / name)

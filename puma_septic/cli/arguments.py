@@ -121,7 +121,9 @@ def _add_assess(parser: ArgumentParser) -> None:
         metavar="DIR",
         help="write report.html, JSON, CSV and SVG figures into a new folder; nothing is overwritten",
     )
-    parser.add_argument("--png", action="store_true", help="with --out: PNG figures as well, which takes seconds")
+    parser.add_argument(
+        "--no-png", action="store_true", help="with --out: leave out the PNG figures, which take seconds"
+    )
     log = parser.add_argument_group("a motion from elsewhere, instead of TASK")
     log.add_argument("--csv", metavar="FILE", help="columns t (s) and one for each joint (rad, m), rest at both ends")
     log.add_argument(

@@ -67,7 +67,13 @@ class IkSolutions:
         return html_table(
             ["branch", *joints, "within limits", "singular", "residual"],
             [
-                [name, *(f"{round(value, 4) + 0.0:.4f}" for value in q), "yes" if fits else "no", ", ".join(at), f"{left:.1e}"]
+                [
+                    name,
+                    *(f"{round(value, 4) + 0.0:.4f}" for value in q),
+                    "yes" if fits else "no",
+                    ", ".join(at),
+                    f"{left:.1e}",
+                ]
                 for name, q, fits, at, left in rows
             ],
             caption="Inverse kinematics: joint positions in rad (sliding joints: m)",

@@ -113,7 +113,7 @@ class Trajectory:
     @cached_property
     def state(self) -> Piecewise:
         """Position, velocity, acceleration and jerk side by side, 4 n_joints components: searched as one."""
-        return Piecewise.concatenate(self._derivatives)
+        return self.position.with_derivatives(3)
 
     @cached_property
     def _state_extrema(self) -> Extrema:

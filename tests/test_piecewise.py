@@ -619,3 +619,14 @@ def test_extrema_turn_over_with_the_function(seed: int) -> None:
     np.testing.assert_allclose(down.max, -up.min, rtol=0, atol=1e-14)
     np.testing.assert_allclose(down.t_max, up.t_min, rtol=0, atol=1e-12)
     np.testing.assert_allclose(down.peak, up.peak, rtol=0, atol=1e-14)
+
+
+def test_derivatives_side_by_side_are_the_derivatives() -> None:
+    f = Piecewise.fit(lambda t: np.stack([np.sin(3 * t), t**3], axis=1), [0.0, 1.0, 2.5])
+    state = f.with_derivatives(2)
+    first, second = f.derivative(), f.derivative().derivative()
+    t = times_in(f)
+    np.testing.assert_allclose(state(t), np.concatenate([f(t), first(t), second(t)], axis=1), rtol=0, atol=1e-10)
+    # A polynomial's highest derivatives are exactly what they are, zero included.
+    constant = Piecewise.from_power([0.0, 2.0], [[[3.0]]]).with_derivatives(3)
+    assert constant(1.0).tolist() == [3.0, 0.0, 0.0, 0.0]

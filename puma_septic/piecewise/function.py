@@ -163,6 +163,14 @@ class Piecewise:
         scale = 2 / (self.breaks[1:] - self.breaks[:-1])[:, None]
         return self._trusted(self.breaks, _apply(matrices.derivative_matrix(self.degree), self.coefficients) * scale)
 
+    def with_derivatives(self, count: int) -> Piecewise:
+        """The function and its first `count` derivatives by time side by side: (count + 1) m components of one degree."""
+        degree, n, m = self.degree, len(self.breaks) - 1, self.n_components
+        series = matrices.state_matrix(degree, count) @ self.coefficients.reshape(degree + 1, -1)
+        scale = (2 / np.diff(self.breaks)) ** np.arange(count + 1)[:, None]
+        scaled = series.reshape(count + 1, degree + 1, n, m) * scale[:, None, :, None]
+        return self._trusted(self.breaks, scaled.transpose(1, 2, 0, 3).reshape(degree + 1, n, -1))
+
     def integral(self) -> Piecewise:
         """The continuous integral from the start of the span."""
         scale = np.diff(self.breaks)[:, None] / 2

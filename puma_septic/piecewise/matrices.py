@@ -24,6 +24,7 @@ __all__ = [
     "integral_matrix",
     "nodes",
     "signs",
+    "state_matrix",
     "to_power_matrix",
     "values_matrix",
 ]
@@ -89,6 +90,14 @@ def coefficients_from_values(degree: int) -> Array:
 def derivative_matrix(degree: int) -> Array:
     """Coefficients of the derivative by x, shape (max(degree, 1), degree + 1)."""
     return _shared(np.asarray(chebyshev.chebder(np.eye(degree + 1))))
+
+
+@lru_cache(maxsize=256)
+def state_matrix(degree: int, count: int) -> Array:
+    """A series and its first `count` derivatives by x, one under the other: shape ((count + 1) (degree + 1), degree + 1)."""
+    one = np.zeros((degree + 1, degree + 1))
+    one[: max(degree, 1)] = derivative_matrix(degree)
+    return _shared(np.concatenate([np.linalg.matrix_power(one, k) for k in range(count + 1)]))
 
 
 @lru_cache(maxsize=256)

@@ -221,6 +221,41 @@ def test_an_arm_that_cannot_be_drawn_is_still_reported(puma: ps.Robot, monkeypat
     assert "<iframe" not in html
 
 
+# ---- of other answers
+
+
+@pytest.mark.usefixtures("quick")
+def test_report_of_a_comparison_has_all_profiles_and_draws_the_best(puma: ps.Robot) -> None:
+    comparison = ps.compare(puma, [[0.0] * 6, [0.2] * 6, [0.5] * 6, [0.6] * 6], [0.0, 1.0, 2.0, 3.0])
+    html = ps.report_html(comparison)
+    names = [row.name for row in comparison.profiles]
+    assert len(names) > 6
+    table = html[: html.index("Profiles side by side")]
+    assert all(f"<td>{name}" in table for name in names)
+    drawn = re.findall("<h4>([^<]*)</h4>", html)
+    assert len(drawn) == 6
+    assert set(drawn) >= set(comparison.pareto_optimal[:6])
+    assert "Drawn below" in words(html)
+
+
+@pytest.mark.usefixtures("quick")
+def test_report_of_a_sizing_has_its_own_verdict(puma: ps.Robot) -> None:
+    sizing = ps.size(ps.cycle.with_return(ps.compute_motion(puma, move()), dwell=0.5))
+    text = words(ps.report_html(sizing, title="shelf"))
+    assert "Feasible The drives are strong enough; the limit used most: joint" in text
+    assert re.findall("<h4>([^<]*)</h4>", ps.report_html(sizing))[0] == "quintic_segments"
+
+
+@pytest.mark.usefixtures("quick")
+def test_report_of_the_paper_has_its_claims() -> None:
+    report = ps.paper.reproduce(runs=1)
+    text = words(ps.report_html(report))
+    assert text.startswith("The paper's claims - report The paper's claims Infeasible")
+    for claim in report.claims:
+        assert f"{claim.number} {claim.text}" in text
+        assert " ".join(claim.explanation.split()) in text
+
+
 # ---- bad input
 
 

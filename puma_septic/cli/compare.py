@@ -22,7 +22,10 @@ def run(arguments: Namespace) -> Answer:
         with new_folder(arguments.out) as folder:
             (folder / "comparison.json").write_text(to_json(comparison.to_dict()), encoding="utf-8")
             (folder / "comparison.csv").write_text(comparison.to_csv(), encoding="utf-8")
-            # matplotlib takes longer to load than everything else takes to compute.
+            # Templates, the replay and matplotlib take longer to load than everything else takes to compute.
+            page = import_module("puma_septic.report.page")
+            html = page.report_html(comparison, title=f"{resolved.task.name}: profiles compared")
+            (folder / "report.html").write_text(html, encoding="utf-8")
             figure = import_module("puma_septic.plots").plot_comparison(comparison)
             import_module("puma_septic.report.figures").save_figure(figure, folder / "comparison")
     if arguments.format == "json":

@@ -20,7 +20,9 @@ def run(arguments: Namespace) -> Answer:
         with new_folder(arguments.out) as folder:
             (folder / "paper.json").write_text(document, encoding="utf-8")
             (folder / "paper.txt").write_text(f"{report}\n", encoding="utf-8")
-            # matplotlib takes longer to load than everything else takes to compute.
+            # Templates, the replay and matplotlib take longer to load than everything else takes to compute.
+            html = import_module("puma_septic.report.page").report_html(report)
+            (folder / "report.html").write_text(html, encoding="utf-8")
             figures = import_module("puma_septic.report.figures")
             for name, figure in figures.paper_figures(report):
                 figures.save_figure(figure, folder / name)

@@ -46,7 +46,7 @@ def run(arguments: Namespace) -> Answer:
             masses=arguments.masses,
         )
     if arguments.out is not None:
-        _write_folder(arguments.out, found)
+        _write_folder(arguments.out, found, f"{resolved.task.name}: sizing")
     return Answer(_text(arguments, resolved, found), 0 if found.is_feasible else 1)
 
 
@@ -101,8 +101,8 @@ def _more(found: Sizing | Selection) -> list[str]:
     return ["The first pair of each joint:", wrapped(str(found.sizing))]
 
 
-def _write_folder(path: str, found: Sizing | Selection) -> None:
-    """One document, one table of checks, one of pairs, a load profile per motor, and figures."""
+def _write_folder(path: str, found: Sizing | Selection, title: str) -> None:
+    """Report, document, one table of checks, one of pairs, a load profile per motor, and figures."""
     sizing = found if isinstance(found, Sizing) else found.sizing
     with new_folder(path) as folder:
         (folder / "sizing.json").write_text(to_json(found.to_dict()), encoding="utf-8")
@@ -114,7 +114,9 @@ def _write_folder(path: str, found: Sizing | Selection) -> None:
         for name in sizing.cycle.joint_names:
             profile = load_profile_csv(sizing.motor_load_profile(name))
             (folder / f"load-profile-{Path(name).name}.csv").write_text(profile, encoding="utf-8")
-        # matplotlib takes longer to load than everything else takes to compute.
+        # Templates, the replay and matplotlib take longer to load than everything else takes to compute.
+        html = import_module("puma_septic.report.page").report_html(sizing, title=title)
+        (folder / "report.html").write_text(html, encoding="utf-8")
         figures = import_module("puma_septic.report.figures")
         for name, figure in import_module("puma_septic.plots.sizing").sizing_figures(sizing):
             figures.save_figure(figure, folder / name)

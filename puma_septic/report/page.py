@@ -16,11 +16,11 @@ from puma_septic.assessment import Assessment
 from puma_septic.assessment.checks import QUANTITIES
 from puma_septic.assessment.texts import assessment_tables
 from puma_septic.errors import InputError, ModelError
-from puma_septic.report.documents import profile_labels
+from puma_septic.report.cases import Case, Reported, case_of, task_case
 from puma_septic.report.groups import Group, groups_of
 from puma_septic.report.panels import Bar, samples_of, utilisation_bars
 from puma_septic.report.rendering import render
-from puma_septic.report.verdicts import comparison_table, reason, verdict_sentence
+from puma_septic.report.verdicts import comparison_table
 from puma_septic.robot.texts import robot_html
 from puma_septic.task import ResolvedTask
 from puma_septic.viewer import replay_html
@@ -36,15 +36,11 @@ _DIGITS: Final = 6
 @final
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Section:
-    """What the template shows of one task."""
+    """What the template shows of one case."""
 
-    title: str
+    case: Case
     description: str
     head: str
-    labels: list[str]
-    is_feasible: bool
-    sentence: str
-    reason: str
     comparison: Markup
     bars: dict[str, list[tuple[str, list[Bar]]]]
     unknown: str
@@ -61,8 +57,8 @@ class Section:
     times: list[list[float]]
 
 
-def report_html(what: Assessment | Sequence[Assessment], *, title: str | None = None) -> str:
-    """The report of one motion, or of several side by side, as one HTML page.
+def report_html(what: Reported, *, title: str | None = None) -> str:
+    """The report of a motion, or of several side by side, as one HTML page.
 
     The verdict comes first; then how much of each limit is used, the replay, torque with its causes, the torque-speed
     plane, the tool's path, position to jerk, the numbers, what is not known, and the inputs. One time cursor moves
@@ -70,8 +66,8 @@ def report_html(what: Assessment | Sequence[Assessment], *, title: str | None = 
 
     Parameters
     ----------
-    what : Assessment or sequence of Assessment
-        Of one arm.
+    what : Assessment, sequence of Assessment, Comparison, Sizing or PaperReport
+        Of one arm. Of a comparison the best profiles are drawn, and all are in its tables.
     title : str, optional
         Heading; the robot's name by default.
 
@@ -88,12 +84,11 @@ def report_html(what: Assessment | Sequence[Assessment], *, title: str | None = 
     >>> html[:15], "Feasible" in html
     ('<!DOCTYPE html>', True)
     """
-    group = _checked(what)
-    heading = group[0].motion.robot.name if title is None else title
-    return _page(heading, [_section(heading, group, None)])
+    case = case_of(what, title)
+    return _page(case.title, [_section(case)])
 
 
-def write_report(path: str | Path, what: Assessment | Sequence[Assessment], *, title: str | None = None) -> Path:
+def write_report(path: str | Path, what: Reported, *, title: str | None = None) -> Path:
     """Write the report as one HTML file; see `report_html`.
 
     Returns
@@ -129,18 +124,8 @@ def tasks_html(tasks: Sequence[tuple[ResolvedTask, Sequence[Assessment]]]) -> st
     """
     if not tasks:
         raise InputError("a report needs at least one task")
-    sections = [_section(resolved.task.name, assessments, resolved) for resolved, assessments in tasks]
-    return _page(" and ".join(section.title for section in sections), sections)
-
-
-def _checked(what: Assessment | Sequence[Assessment]) -> tuple[Assessment, ...]:
-    group = (what,) if isinstance(what, Assessment) else tuple(what)
-    if not group or not all(isinstance(one, Assessment) for one in group):
-        raise InputError(f"a report is made of one assessment or a sequence of them, got {what!r}")
-    names = {one.motion.robot.joint_names for one in group}
-    if len(names) > 1:
-        raise InputError(f"a report is of one arm; got joints {' and '.join(', '.join(one) for one in sorted(names))}")
-    return group
+    sections = [_section(task_case(resolved, assessments)) for resolved, assessments in tasks]
+    return _page(" and ".join(section.case.title for section in sections), sections)
 
 
 def _page(title: str, sections: Sequence[Section]) -> str:
@@ -152,22 +137,17 @@ def _bar_width(used: float) -> str:
     return "0" if math.isnan(used) else f"{100 * min(used, _LONGEST_BAR) / _LONGEST_BAR:.1f}"
 
 
-def _section(title: str, assessments: Sequence[Assessment], resolved: ResolvedTask | None) -> Section:
-    labels = profile_labels(assessments)
+def _section(case: Case) -> Section:
+    assessments, labels, resolved = case.assessments, case.labels, case.resolved
     group = [samples_of(one, label) for one, label in zip(assessments, labels, strict=True)]
     bars = utilisation_bars(group)
     known = {"effort" if quantity == "torque" else quantity for quantity in bars}
-    replay, no_replay = _replay(assessments, labels, title)
-    robot = assessments[0].motion.robot
-    repeat, inputs = _inputs(assessments, labels, resolved)
+    replay, no_replay = _replay(case)
+    repeat, inputs = _inputs(case)
     return Section(
-        title=title,
+        case=case,
         description=" ".join(resolved.task.description.split()) if resolved is not None else "",
         head=_head(assessments, resolved),
-        labels=labels,
-        is_feasible=all(one.is_feasible for one in assessments),
-        sentence=verdict_sentence(assessments, labels),
-        reason="" if resolved is None else reason(resolved),
         comparison=Markup(comparison_table(assessments, labels)) if len(labels) > 1 else Markup(""),
         bars=bars,
         unknown=", ".join("torque" if one == "effort" else one for one in QUANTITIES if one not in known),
@@ -177,7 +157,7 @@ def _section(title: str, assessments: Sequence[Assessment], resolved: ResolvedTa
         tables=[(label, Markup(assessment_tables(one))) for label, one in zip(labels, assessments, strict=True)],
         not_assessed=_distinct(line for one in assessments for line in one.not_assessed),
         remarks=_distinct(line for one in assessments for line in one.remarks),
-        robot=Markup(robot_html(robot)),
+        robot=Markup(robot_html(assessments[0].motion.robot)),
         repeat=repeat,
         inputs=inputs,
         span=(min(float(one.t[0]) for one in group), max(float(one.t[-1]) for one in group)),
@@ -185,10 +165,10 @@ def _section(title: str, assessments: Sequence[Assessment], resolved: ResolvedTa
     )
 
 
-def _replay(assessments: Sequence[Assessment], labels: Sequence[str], title: str) -> tuple[str, str]:
+def _replay(case: Case) -> tuple[str, str]:
     """The replay's page, or why there is none: a mesh that cannot be drawn does not take the numbers away."""
     try:
-        return replay_html(assessments, labels=labels, title=title), ""
+        return replay_html(case.assessments, labels=case.labels, title=case.title), ""
     except ModelError as error:
         return "", str(error)
 
@@ -208,11 +188,11 @@ def _head(assessments: Sequence[Assessment], resolved: ResolvedTask | None) -> s
     return " ".join(parts)
 
 
-def _inputs(assessments: Sequence[Assessment], labels: Sequence[str], resolved: ResolvedTask | None) -> tuple[str, str]:
+def _inputs(case: Case) -> tuple[str, str]:
     """How to repeat it, and the inputs with all their digits."""
-    if resolved is not None:
+    if case.resolved is not None:
         how = "The inputs are a task file: save them as task.yaml and run puma-septic assess task.yaml."
-        document: Any = resolved.task.document()
+        document: Any = case.resolved.task.document()
     else:
         how = "The inputs are what the profiles were made from and what was assessed."
         document = [
@@ -225,7 +205,7 @@ def _inputs(assessments: Sequence[Assessment], labels: Sequence[str], resolved: 
                 "times": one.motion.trajectory.times.tolist(),
                 "dwell": one.dwell,
             }
-            for label, one in zip(labels, assessments, strict=True)
+            for label, one in zip(case.labels, case.assessments, strict=True)
         ]
     return how, json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False)
 

@@ -1,0 +1,160 @@
+"""What a report is made of: assessments, and what is said before them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, final
+
+from markupsafe import Markup
+
+from puma_septic.assessment import Assessment, assess
+from puma_septic.comparison import Comparison
+from puma_septic.errors import InputError
+from puma_septic.motion import Motion
+from puma_septic.paper import PaperReport
+from puma_septic.report.documents import profile_labels
+from puma_septic.report.verdicts import reason, verdict_sentence
+from puma_septic.sizing import Sizing
+from puma_septic.sizing.texts import verdict as sizing_verdict
+from puma_septic.tables import html_table
+from puma_septic.task import ResolvedTask
+
+__all__ = ["Case", "Reported", "case_of", "task_case"]
+
+Reported = Assessment | Sequence[Assessment] | Comparison | Sizing | PaperReport
+# More curves than colours in one chart are told apart by nobody.
+_MOST_DRAWN: Final = 6
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Case:
+    """One section of a report.
+
+    Attributes
+    ----------
+    title : str
+    assessments : tuple of Assessment
+        What is drawn and tabled, at least one.
+    labels : list of str
+        Their names.
+    is_feasible : bool
+    sentence, reason : str
+        The verdict, and why it cannot be otherwise, if that is known.
+    preface : Markup
+        What stands between the verdict and the rest.
+    resolved : ResolvedTask or None
+        The task, where there is one.
+    """
+
+    title: str
+    assessments: tuple[Assessment, ...]
+    labels: list[str]
+    is_feasible: bool
+    sentence: str
+    reason: str = ""
+    preface: Markup = Markup("")  # noqa: RUF009 - a constant text
+    resolved: ResolvedTask | None = None
+
+
+def case_of(what: Reported, title: str | None) -> Case:
+    """The section of a value; its robot's name is the title where none is given.
+
+    Raises
+    ------
+    InputError
+        For anything else, and for assessments of different arms.
+    """
+    if isinstance(what, Comparison):
+        return _comparison_case(what, title)
+    if isinstance(what, Sizing):
+        return _sizing_case(what, title)
+    if isinstance(what, PaperReport):
+        return _paper_case(what, title)
+    group = (what,) if isinstance(what, Assessment) else tuple(what)
+    if not group or not all(isinstance(one, Assessment) for one in group):
+        raise InputError(f"a report is made of one assessment or a sequence of them, got {what!r}")
+    names = {one.motion.robot.joint_names for one in group}
+    if len(names) > 1:
+        raise InputError(f"a report is of one arm; got joints {' and '.join(', '.join(one) for one in sorted(names))}")
+    return _plain_case(group, title)
+
+
+def task_case(resolved: ResolvedTask, assessments: Sequence[Assessment]) -> Case:
+    """The section of an assessed task."""
+    labels = profile_labels(assessments)
+    return Case(
+        title=resolved.task.name,
+        assessments=tuple(assessments),
+        labels=labels,
+        is_feasible=all(one.is_feasible for one in assessments),
+        sentence=verdict_sentence(assessments, labels),
+        reason=reason(resolved),
+        resolved=resolved,
+    )
+
+
+def _plain_case(group: tuple[Assessment, ...], title: str | None, preface: str = "") -> Case:
+    labels = profile_labels(group)
+    return Case(
+        title=_titled(group, title),
+        assessments=group,
+        labels=labels,
+        is_feasible=all(one.is_feasible for one in group),
+        sentence=verdict_sentence(group, labels),
+        preface=Markup(preface),
+    )
+
+
+def _comparison_case(comparison: Comparison, title: str | None) -> Case:
+    """All profiles in the tables; as many as there are colours are drawn, first those that no other beats."""
+    rows = comparison.profiles
+    best = [row for row in rows if row.name in comparison.pareto_optimal]
+    drawn = [*best, *(row for row in rows if row not in best)][:_MOST_DRAWN]
+    note = ""
+    if len(drawn) < len(rows):
+        note = f"<p>Drawn below, of {len(rows)}: the Pareto-optimal ones first, at most {_MOST_DRAWN}.</p>"
+    every = [row.assessment for row in rows]
+    return Case(
+        title=_titled(every, title),
+        assessments=tuple(row.assessment for row in drawn),
+        labels=[row.name for row in drawn],
+        is_feasible=any(one.is_feasible for one in every),
+        sentence=verdict_sentence(every, [row.name for row in rows]),
+        preface=_boxed(comparison._repr_html_() + note),
+    )
+
+
+def _sizing_case(sizing: Sizing, title: str | None) -> Case:
+    group = tuple(assess(step) for step in sizing.cycle.steps if isinstance(step, Motion))
+    text = sizing_verdict(sizing)
+    return Case(
+        title=_titled(group, title),
+        assessments=group,
+        labels=profile_labels(group),
+        is_feasible=sizing.is_feasible,
+        sentence=f"The drives are {text}.",
+        preface=_boxed(
+            f"{sizing._repr_html_()}<p>What follows are the motions of the cycle, held against the robot's limits.</p>"
+        ),
+    )
+
+
+def _paper_case(report: PaperReport, title: str | None) -> Case:
+    group = (report.evidence.septic, report.evidence.lspb, report.evidence.quintic)
+    rows = [
+        [f"{claim.number}", f"{claim.text} ({claim.source})", claim.verdict, claim.explanation]
+        for claim in report.claims
+    ]
+    claims = html_table(["", "claim", "verdict", "why"], rows, caption="The paper's claims, judged")
+    return _plain_case(group, "The paper's claims" if title is None else title, _boxed(claims))
+
+
+def _boxed(html: str) -> Markup:
+    """Wide tables scroll in a box of their own. What values show of themselves is escaped already."""
+    return Markup('<div class="preface">{}</div>').format(Markup(html))
+
+
+def _titled(group: Sequence[Assessment], title: str | None) -> str:
+    return group[0].motion.robot.name if title is None else title

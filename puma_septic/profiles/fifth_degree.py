@@ -83,8 +83,9 @@ def quintic_powers(
     """Powers of the normalised time, shape (6, n, m), of n quintics; formula in `quintic_segments`."""
     T = durations[:, None]
     h = q1 - q0
-    c0, c1, c2 = q0, v0 * T, a0 * T**2 / 2
-    c3 = 10 * h - (6 * v0 + 4 * v1) * T - (3 * a0 - a1) * T**2 / 2
-    c4 = -15 * h + (8 * v0 + 7 * v1) * T + (3 * a0 - 2 * a1) * T**2 / 2
-    c5 = 6 * h - 3 * (v0 + v1) * T - (a0 - a1) * T**2 / 2
-    return np.stack(np.broadcast_arrays(c0, c1, c2, c3, c4, c5))
+    powers = np.empty((6, *h.shape))
+    powers[0], powers[1], powers[2] = q0, v0 * T, a0 * T**2 / 2
+    powers[3] = 10 * h - (6 * v0 + 4 * v1) * T - (3 * a0 - a1) * T**2 / 2
+    powers[4] = -15 * h + (8 * v0 + 7 * v1) * T + (3 * a0 - 2 * a1) * T**2 / 2
+    powers[5] = 6 * h - 3 * (v0 + v1) * T - (a0 - a1) * T**2 / 2
+    return powers

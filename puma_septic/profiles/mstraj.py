@@ -118,16 +118,10 @@ def _blended(points: Array, times: Array, v: Array, tb: float) -> Piecewise:
     start, end = times - tb, times + tb
     start[0], end[-1] = times[0], times[-1]
     blend_from, blend_to = points - v_in * tb, points + v_out * tb
-    starts = np.ravel(np.column_stack([start, end]))
-    q = np.stack([blend_from, blend_to], axis=1).reshape(-1, points.shape[1])
-    # Row 2k is blend k, row 2k + 1 the line after it.
-    v0 = np.repeat(v_in, 2, axis=0)[:-1].copy()
-    v0[1::2] = v
-    v1 = np.repeat(v_out, 2, axis=0)[:-1].copy()
-    lengths = np.diff(starts)
-    kept = lengths > _SAME_LENGTH * times[-1]
-    powers = quintic_powers(q[:-1], q[1:], lengths, v0=v0, v1=v1)
-    # A line is a line to the last digit, whatever the quintic's rounding.
-    powers[1, 1::2] = np.diff(q, axis=0)[1::2]
-    powers[2:, 1::2] = 0.0
-    return Piecewise.from_power(np.append(starts[:-1][kept], times[-1]), powers[:, kept])
+    powers = np.zeros((6, 2 * len(points) - 1, points.shape[1]))
+    powers[:, ::2] = quintic_powers(blend_from, blend_to, end - start, v0=v_in, v1=v_out)
+    powers[0, 1::2] = blend_to[:-1]
+    powers[1, 1::2] = blend_from[1:] - blend_to[:-1]
+    breaks = np.stack([start, end], axis=1).ravel()
+    kept = np.diff(breaks) > _SAME_LENGTH * times[-1]
+    return Piecewise.from_power(np.append(breaks[:-1][kept], times[-1]), powers[:, kept])

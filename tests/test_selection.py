@@ -247,11 +247,12 @@ def test_a_step_in_velocity_rejects_all() -> None:
 def test_the_ratio_window_holds_what_is_chosen() -> None:
     """Without friction its two ends are where RMS torque meets the continuous torque: seen by another pair."""
     motor = ps.Motor(name="M", rotor_inertia=1e-4, continuous_torque=0.6, max_speed=1e4)
-    catalogue = ps.Catalogue(motors=[motor], gearboxes=[ps.Gearbox(name="G", ratio=100.0, efficiency=1.0)])
+    losses = {"efficiency": 0.7, "backward_efficiency": 0.4}
+    catalogue = ps.Catalogue(motors=[motor], gearboxes=[ps.Gearbox(name="G", ratio=150.0, **losses)])
     window = select_joint(load(1, True), catalogue, 0, rank="mass", keep=1, places=None).best.window
-    assert window.least < 100 < window.most
+    assert window.least < 150 < window.most
     for ratio, fits in ((0.999, False), (1.001, True)):
-        gear = ps.Gearbox(name="G", ratio=window.least * ratio, efficiency=1.0)
+        gear = ps.Gearbox(name="G", ratio=window.least * ratio, **losses)
         again = ps.Catalogue(motors=[motor], gearboxes=[gear])
         assert bool(select_joint(load(1, True), again, 0, rank="mass", keep=1, places=None).kept) == fits
 

@@ -151,7 +151,7 @@ def _row(joint: str, c: Candidate) -> list[Cell]:
     use, quantity = "", "none known"
     if c.governing is not None:
         use, quantity = f"{100 * c.governing.utilisation:.1f} %", c.governing.quantity
-    best = "" if c.window is None else f"{c.window.optimal:.0f}"
+    best = "" if c.window is None or np.isinf(c.window.optimal) else f"{c.window.optimal:.0f}"
     return [
         joint, c.motor, c.gearbox, c.mass, c.cost, use, quantity, f"{c.drivetrain.ratio:g}", best, _window(c.window)
     ]  # fmt: skip
@@ -160,7 +160,9 @@ def _row(joint: str, c: Candidate) -> list[Cell]:
 def _window(window: RatioWindow | None) -> str:
     if window is None:
         return "unknown"
-    return "empty" if window.is_empty else f"{window.least:.0f} to {window.most:.0f}"
+    if window.is_empty:
+        return "empty"
+    return f"from {window.least:.0f}" if np.isinf(window.most) else f"{window.least:.0f} to {window.most:.0f}"
 
 
 def _joint_document(one: JointSelection) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from puma_septic.drives import Catalogue, Drivetrain
 from puma_septic.sizing.bounds import utilisation_bounds
 from puma_septic.sizing.checks import assess_joint
 from puma_septic.sizing.demands import Demands
-from puma_septic.sizing.grids import load_grid
+from puma_septic.sizing.grids import LoadGrid, load_grid
 from puma_septic.sizing.loads import JointLoad, motor_load
 from puma_septic.sizing.outcome import SizingCheck
 from puma_septic.sizing.pairs import PairTable, pair_table
@@ -46,8 +46,8 @@ class Candidate:
     mass, cost : float
         Of motor and gearbox; NaN: unknown.
     window : RatioWindow or None
-        Ratios that would do for this motor with this gearbox's inertia and efficiency; None where its continuous torque
-        or the inertia is unknown. It knows of RMS torque and speed alone, and of no friction.
+        Ratios that would do for this motor with this gearbox's inertia and efficiencies; None where its continuous
+        torque or the inertia is unknown. It knows of RMS torque and speed alone, and of no friction.
     """
 
     demands: Demands
@@ -166,13 +166,13 @@ def select_joint(
     found: dict[int, Candidate] = {}
     n_broken = 0
     for k in np.flatnonzero((lowest <= _CERTAIN) & ~is_feasible).tolist():
-        candidate = assessed(load, table, k, grid.moments)
+        candidate = assessed(grid, table, k)
         broken = _worst(candidate)
         if broken is None:
             is_feasible[k], found[k] = True, candidate
         else:
             reasons[k], lowest[k], n_broken = broken.quantity, broken.utilisation, n_broken + 1
-    kept = _ranked(load, table, grid.moments, _keys(catalogue, rank, is_feasible, lowest), keep, found)
+    kept = _ranked(grid, table, _keys(catalogue, rank, is_feasible, lowest), keep, found)
     return JointSelection(
         joint=load.joint,
         catalogue=catalogue,
@@ -184,17 +184,17 @@ def select_joint(
     )
 
 
-def assessed(load: JointLoad, table: PairTable, k: int, moments: LoadMoments) -> Candidate:
+def assessed(grid: LoadGrid, table: PairTable, k: int) -> Candidate:
     """The k-th pair in full, by the code that assesses any drive train."""
     train = table.train(k)
-    demands = Demands(load=load, train=train, motor=motor_load(load, train))
+    demands = Demands(load=grid.load, train=train, motor=motor_load(grid.load, train))
     checks = [outcome for outcome in assess_joint(demands) if isinstance(outcome, SizingCheck)]
     return Candidate(
         demands=demands,
         checks=tuple(sorted(checks, key=lambda check: -check.utilisation)),
         mass=train.motor.mass + train.gearbox.mass,
         cost=train.motor.cost + train.gearbox.cost,
-        window=_window(demands, moments),
+        window=_window(demands, grid),
     )
 
 
@@ -203,19 +203,21 @@ def _worst(candidate: Candidate) -> SizingCheck | None:
     return next((c for c in candidate.checks if c.is_violated and c.kind != "rule of thumb"), None)
 
 
-def _window(demands: Demands, moments: LoadMoments) -> RatioWindow | None:
+def _window(demands: Demands, grid: LoadGrid) -> RatioWindow | None:
+    """By the moments of the load as it comes through the gears, losses of either direction included."""
     train = demands.train
     torque = train.motor.continuous_torque_at(demands.mean_speed)
     if not (torque > 0 and train.inertia > 0):
         return None
-    limits = [train.motor.max_speed, train.gearbox.max_input_speed]
-    return ratio_window(
-        moments,
-        inertia=train.inertia,
-        continuous_torque=torque,
-        efficiency=float(1 / train.transmission[2]),
-        max_speed=float(np.nanmin([*limits, np.inf])),
+    passed = train.transmission[::-1]
+    moments = LoadMoments(
+        torque_square=float(passed @ grid.gram[1:4, 1:4] @ passed),
+        acceleration_square=float(grid.gram[0, 0]),
+        product=float(grid.gram[0, 1:4] @ passed),
+        peak_speed=grid.moments.peak_speed,
     )
+    limits = [train.motor.max_speed, train.gearbox.max_input_speed, np.inf]
+    return ratio_window(moments, inertia=train.inertia, continuous_torque=torque, max_speed=float(np.nanmin(limits)))
 
 
 def _keys(
@@ -230,9 +232,8 @@ def _keys(
 
 
 def _ranked(
-    load: JointLoad,
+    grid: LoadGrid,
     table: PairTable,
-    moments: LoadMoments,
     keys: list[tuple[float, float, int]],
     keep: int | None,
     found: dict[int, Candidate],
@@ -247,7 +248,7 @@ def _ranked(
         if len(done) >= wanted and (value, least) > done[wanted - 1][:2]:
             break
         if k not in found:
-            found[k] = assessed(load, table, k, moments)
+            found[k] = assessed(grid, table, k)
         insort(done, (value, _use(found[k]), k))
     return tuple(found[k] for _, _, k in done[:wanted])
 

@@ -42,7 +42,7 @@ def test_compare_writes_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[s
     arguments = ["compare", "--profile", "septic", "--profile", "quintic", "--objective", "peak_jerk"]
     csv = printed([*arguments, "--format", "csv", "--out", str(target)], capsys)
     assert sorted(path.name for path in target.iterdir()) == [
-        "comparison.csv", "comparison.json", "comparison.png", "comparison.svg",
+        "comparison.csv", "comparison.json", "comparison.png", "comparison.svg", "report.html",
     ]  # fmt: skip
     assert (target / "comparison.csv").read_text() == csv
     document = json.loads((target / "comparison.json").read_text())

@@ -73,7 +73,7 @@ def test_the_folder(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     names = {path.name for path in folder.iterdir()}
     figures = {"torque-speed", "utilisation", "winding-temperature", "torque-split", "ratio-sweep"}
     assert names == {
-        "sizing.json", "checks.csv", "pairs.csv", *(f"load-profile-joint{k}.csv" for k in range(1, 7)),
+        "report.html", "sizing.json", "checks.csv", "pairs.csv", *(f"load-profile-joint{k}.csv" for k in range(1, 7)),
         *(f"{name}.{kind}" for name in figures for kind in ("png", "svg")),
     }  # fmt: skip
     rows = list(csv.reader((folder / "load-profile-joint2.csv").open(encoding="utf-8")))

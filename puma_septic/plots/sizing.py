@@ -137,7 +137,7 @@ def plot_sizing_utilisation(sizing: Sizing) -> Figure:
     panel.set_xlabel("use of the limit [%]; a bar that fills its frame is at 100 %", fontsize=8)
     labels = ("to 25 %", "to 50 %", "to 80 %", "to 100 %", "broken")
     patches = [Patch(color=c, label=text) for c, text in zip(_SHADES, labels, strict=True)]
-    place_legend(figure, [*patches, Patch(label="rule of thumb not kept", **_HATCHED)])
+    place_legend(figure, [*patches, Patch(label="rule of thumb (?)", **_HATCHED)])
     return figure
 
 

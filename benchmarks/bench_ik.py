@@ -20,9 +20,7 @@ ROUNDS = 40
 def run() -> list[tuple[str, ...]]:
     """Time both in turn, round by round, so that a busy machine slows both alike."""
     poses = reachable_poses()
-    contenders: dict[str, Callable[[], Sequence[Array] | Array]] = {
-        "puma_septic: one call": in_one_call(poses)
-    }
+    contenders: dict[str, Callable[[], Sequence[Array] | Array]] = {"puma_septic: one call": in_one_call(poses)}
     if find_spec("eaik") is not None:
         contenders["EAIK 1.2 in a loop"] = eaik_in_a_loop(poses)
     answers = {name: contender() for name, contender in contenders.items()}

@@ -164,7 +164,7 @@ class Piecewise:
         return self._trusted(self.breaks, _apply(matrices.derivative_matrix(self.degree), self.coefficients) * scale)
 
     def with_derivatives(self, count: int) -> Piecewise:
-        """The function and its first `count` derivatives by time side by side: (count + 1) m components of one degree."""
+        """The function and its first `count` derivatives by time, side by side as (count + 1) m components."""
         degree, n, m = self.degree, len(self.breaks) - 1, self.n_components
         series = matrices.state_matrix(degree, count) @ self.coefficients.reshape(degree + 1, -1)
         scale = (2 / np.diff(self.breaks)) ** np.arange(count + 1)[:, None]

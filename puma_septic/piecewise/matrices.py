@@ -94,7 +94,7 @@ def derivative_matrix(degree: int) -> Array:
 
 @lru_cache(maxsize=256)
 def state_matrix(degree: int, count: int) -> Array:
-    """A series and its first `count` derivatives by x, one under the other: shape ((count + 1) (degree + 1), degree + 1)."""
+    """A series and its first `count` derivatives by x, stacked: ((count + 1) (degree + 1), degree + 1)."""
     one = np.zeros((degree + 1, degree + 1))
     one[: max(degree, 1)] = derivative_matrix(degree)
     return _shared(np.concatenate([np.linalg.matrix_power(one, k) for k in range(count + 1)]))

@@ -198,6 +198,23 @@ def test_limits_are_kept_where_asked(puma: ps.Robot) -> None:
     assert (result.trajectory.peak(1)[0] <= 1.1 * (1 + 1e-6)).all()
 
 
+def test_the_least_excess_is_the_least_overshoot() -> None:
+    """Linearised, contradicting bounds once stopped the search at its start, and 0.818 rad was called the least."""
+    points = [
+        [0.0, 0.1, 0.2, 0.3, 0.4, 0.5],
+        [1.0, 0.5, 0.3, 0.2, 0.1, 0.0],
+        [0.5, -0.5, 0.3, 0.2, 0.1, 0.0],
+        [0.2, 0.5, 0.3, 0.2, 0.1, 1.0],
+    ]
+    least = ps.optimise_via_times(ps.septic, points, TIMES, objective="overshoot", restarts=0).value
+    with pytest.raises(ps.NoSolution, match=r"the least excess is 0\.1116") as caught:
+        ps.optimise_via_times(ps.septic, points, TIMES, max_overshoot=0.0, restarts=0)
+    # The two searches end at a kink, each to about the root of its tolerance.
+    assert caught.value.residual == pytest.approx(least, rel=1e-4)
+    kept = ps.optimise_via_times(ps.septic, points, TIMES, max_overshoot=least + 1e-4, restarts=0)
+    assert (kept.trajectory.overshoot <= least + 1e-4 + 1e-6).all()
+
+
 def test_constraints_that_cannot_be_kept_say_by_how_much(puma: ps.Robot) -> None:
     """Joint 5 is beyond its limit at the first point itself, whatever the via times."""
     with pytest.raises(ps.NoSolution, match="no via times were found that keep the constraints") as caught:
@@ -366,3 +383,8 @@ def fixed_blend(points: Array, times: Array) -> ps.Trajectory:
 def test_bad_input(call: object, message: str) -> None:
     with pytest.raises(ps.InputError, match=message):
         call()  # type: ignore[operator]
+
+
+def test_a_given_total_time_is_no_objective() -> None:
+    with pytest.raises(ps.InputError, match="objective 'duration': the total time stays as given; least_time"):
+        ps.optimise_via_times(ps.septic, POINTS, TIMES, objective="duration")

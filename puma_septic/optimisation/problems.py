@@ -52,8 +52,10 @@ class Setting:
         Raises
         ------
         InputError
-            If it is unbounded, which no via times change.
+            If it is unbounded, which no via times change, or the duration, which is given.
         """
+        if objective.name == "duration":
+            raise InputError("objective 'duration': the total time stays as given; least_time is what chooses it")
         value = objective.value(self.judged(trajectory))
         if not np.isfinite(value):
             raise InputError(
@@ -157,7 +159,10 @@ def random_starts(variables: Variables, first: Array, count: int, seed: int) -> 
 
 
 def search_from(problem: Problem, starts: Sequence[Array], progress: Progress | None) -> list[Found]:
-    """One search from each start; a random one that cannot even be made is passed over."""
+    """One search from each start, and one more, from where the constraints are nearest to kept, if none kept them.
+
+    A random start that cannot even be made is passed over.
+    """
     found = []
     for k, start in enumerate(starts):
         try:
@@ -167,7 +172,18 @@ def search_from(problem: Problem, starts: Sequence[Array], progress: Progress | 
                 raise
         if progress is not None:
             progress(k + 1, len(starts))
+    nearest = min(found, key=lambda one: one.rank)
+    if nearest.excess > FEASIBLE:
+        found.append(_towards_kept(problem, nearest))
     return found
+
+
+def _towards_kept(problem: Problem, near: Found) -> Found:
+    """The excess alone is made least first: a search stops where linearised constraints contradict each other."""
+    alone = replace(problem, evaluate=lambda x: (problem.evaluate(x)[1], np.zeros(0)), gradient=None)
+    nearest = search(alone, near.x)
+    found = search(problem, nearest.x)
+    return replace(found, n_evaluations=nearest.n_evaluations + found.n_evaluations)
 
 
 def best_kept(setting: Setting, found: Sequence[Found]) -> Found:

@@ -170,10 +170,12 @@ def test_missing_limits_are_named() -> None:
     for name, unit in (("max_velocity", "rad/s"), ("max_acceleration", r"rad/s\^2"), ("max_jerk", r"rad/s\^3")):
         with pytest.raises(InputError, match=f"double_s needs {name}, in {unit}: it is the limits"):
             double_s(points, **{key: value for key, value in LIMITS.items() if key != name})
-        with pytest.raises(InputError, match=rf"{name}\[1\] is unknown \(nan\), but double_s needs it"):
+        with pytest.raises(InputError, match=rf"joint 2: {name} is unknown \(nan\), but double_s needs it"):
             double_s(points, **{**LIMITS, name: [1.0, np.nan]})
-        with pytest.raises(InputError, match=rf"{name}\[0\] = 0 {unit} must be positive"):
+        with pytest.raises(InputError, match=rf"joint 1: {name} = 0 {unit} must be positive"):
             double_s(points, **{**LIMITS, name: 0.0})
+    with pytest.raises(InputError, match="joint 'a', joint 'b': max_jerk is unknown"):
+        double_s(points, **{**LIMITS, "max_jerk": [np.nan, np.nan]}, joint_names=["a", "b"])
     with pytest.raises(InputError, match="double_s needs at least 2 points, got 1"):
         double_s(points[:1], **LIMITS)
     with pytest.raises(InputError, match=r"max_jerk: .*"):

@@ -91,7 +91,7 @@ def double_s(
     labels = joint_labels(names, n)
     given = (("max_velocity", max_velocity), ("max_acceleration", max_acceleration), ("max_jerk", max_jerk))
     units = ("rad/s", "rad/s^2", "rad/s^3")
-    limits = [_limit(name, value, n, unit) for (name, value), unit in zip(given, units, strict=True)]
+    limits = [_limit(name, value, labels, unit) for (name, value), unit in zip(given, units, strict=True)]
     bounds = [_Bounds(*map(float, row)) for row in zip(*limits, strict=True)]
     velocities = np.zeros_like(vias)
     velocities[0] = boundary("start_velocity", start_velocity, n, "rad/s")
@@ -107,18 +107,18 @@ def double_s(
     )
 
 
-def _limit(name: str, value: ArrayLike | None, n_joints: int, unit: str) -> Array:
+def _limit(name: str, value: ArrayLike | None, labels: Sequence[str], unit: str) -> Array:
     """A positive limit for each joint."""
     if value is None:
         raise InputError(f"double_s needs {name}, in {unit}: it is the limits that determine its times")
     unknown = np.isnan(np.asarray(value, dtype=np.float64))
     if unknown.any():
-        where = "" if unknown.ndim == 0 else f"[{int(np.argmax(unknown))}]"
-        raise InputError(f"{name}{where} is unknown (nan), but double_s needs it for every joint, in {unit}")
-    limit = boundary(name, value, n_joints, unit)
+        which = labels if unknown.ndim == 0 else [label for label, one in zip(labels, unknown, strict=False) if one]
+        raise InputError(f"{', '.join(which)}: {name} is unknown (nan), but double_s needs it, in {unit}")
+    limit = boundary(name, value, len(labels), unit)
     if not (limit > 0).all():
         j = int(np.argmax(~(limit > 0)))
-        raise InputError(f"{name}[{j}] = {limit[j]:g} {unit} must be positive")
+        raise InputError(f"{labels[j]}: {name} = {limit[j]:g} {unit} must be positive")
     return limit
 
 

@@ -12,6 +12,7 @@ import urllib.request
 from pathlib import Path
 
 import pytest
+from processes import heeding_ctrl_c
 
 from puma_septic.cli import main
 
@@ -43,7 +44,7 @@ def test_serves_until_ctrl_c_on_another_port_where_one_is_taken() -> None:
         other.listen()
         taken = other.getsockname()[1]
         child = subprocess.Popen([*COMMAND, "--no-browser", "--port", str(taken)], stdout=subprocess.PIPE, text=True,
-                                 stderr=subprocess.PIPE, env=environment, start_new_session=True)  # fmt: skip
+                                 stderr=subprocess.PIPE, env=environment, start_new_session=True, preexec_fn=heeding_ctrl_c)  # fmt: skip
         assert child.stdout is not None
         line = child.stdout.readline()
         found = re.fullmatch(

@@ -23,6 +23,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import umsgpack
+from processes import heeding_ctrl_c
 from test_robot_meshes import arm, dae, stl
 from urdf_texts import ARM, load
 
@@ -521,7 +522,7 @@ page.wait()
 print("ended", flush=True)
 """
     child = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                             start_new_session=True)  # fmt: skip
+                             start_new_session=True, preexec_fn=heeding_ctrl_c)  # fmt: skip
     assert child.stdout is not None
     port = int(child.stdout.readline().strip().rstrip("/").rpartition(":")[2])
     assert ask(port, {"Host": f"127.0.0.1:{port}"})[0] == 200

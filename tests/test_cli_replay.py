@@ -44,7 +44,8 @@ def test_serves_until_ctrl_c_on_another_port_where_one_is_taken() -> None:
         other.listen()
         taken = other.getsockname()[1]
         child = subprocess.Popen([*COMMAND, "--no-browser", "--port", str(taken)], stdout=subprocess.PIPE, text=True,
-                                 stderr=subprocess.PIPE, env=environment, start_new_session=True, preexec_fn=heeding_ctrl_c)  # fmt: skip
+                                 stderr=subprocess.PIPE, env=environment, start_new_session=True,
+                                 preexec_fn=heeding_ctrl_c)  # fmt: skip
         assert child.stdout is not None
         line = child.stdout.readline()
         found = re.fullmatch(

@@ -239,12 +239,18 @@ def _at(place: Array) -> Array:
 
 
 def _surface(colour: Sequence[float], *, flat: bool = False, ghost: bool = False) -> Any:
-    """Without gloss, so that a colour keeps its hue in the light; `flat` keeps the edges of a mesh."""
+    """Without gloss, so that a colour keeps its hue in the light; `flat` keeps the edges of a mesh.
+
+    A ghost is drawn behind what stands in the same place: neither flickers, and the solid arm keeps its colour.
+    """
     red, green, blue = (round(255 * channel) for channel in colour)
     return mc.MeshPhongMaterial(
         color=red << 16 | green << 8 | blue,
         opacity=_GHOST_OPACITY if ghost else 1.0,
         depthWrite=not ghost,
+        polygonOffset=ghost,
+        polygonOffsetFactor=2,
+        polygonOffsetUnits=2,
         specular=0,
         flatShading=flat,
     )

@@ -15,7 +15,7 @@ from puma_septic.checks import Array
 from puma_septic.objectives import OBJECTIVES, Candidate
 from puma_septic.optimisation import ParetoFront
 from puma_septic.optimisation.structure import SQUARES, best_free_values, gradient_by_times
-from puma_septic.optimisation.variables import checked_variables
+from puma_septic.optimisation.variables import MakeTrajectory, checked_variables
 
 # Table 1 and times of Raji, Asaolu, Akano, Joint Space Robot Arm Trajectory Planning Using Septic Function.
 POINTS = np.array(
@@ -388,3 +388,10 @@ def test_bad_input(call: object, message: str) -> None:
 def test_a_given_total_time_is_no_objective() -> None:
     with pytest.raises(ps.InputError, match="objective 'duration': the total time stays as given; least_time"):
         ps.optimise_via_times(ps.septic, POINTS, TIMES, objective="duration")
+
+
+@pytest.mark.parametrize("make", [ps.profiles.double_s, ps.profiles.lspb])
+def test_a_profile_that_takes_no_times_or_needs_more_is_refused(make: MakeTrajectory) -> None:
+    """It ended in a bare TypeError."""
+    with pytest.raises(ps.InputError, match=f"{make.__name__} cannot be made from points and times alone"):
+        ps.optimise_via_times(make, [[0.0], [1.0], [2.0]], [0.0, 1.0, 2.0], objective="integral_of_squared_jerk")

@@ -152,18 +152,25 @@ def checked_variables(make: MakeTrajectory, points: ArrayLike, times: ArrayLike,
     Raises
     ------
     InputError
-        For fewer than three points, times that do not increase, or a free quantity that the profile does not have.
+        For fewer than three points, times that do not increase, a profile that is not made from points and times alone,
+        or a free quantity that it does not have.
     """
     vias = checked_array("points", points, (None, None), unit="rad")
     if len(vias) < 3:
         raise InputError(f"without a via between start and end there are no via times: got {len(vias)} points")
     start = checked_times("times", _default_times(vias, times) if np.ndim(times) == 0 else times, len(vias))
     names = (free,) if isinstance(free, str) else tuple(free)
+    label = getattr(make, "__name__", "this profile")
     parameters = signature(make).parameters
+    try:
+        signature(make).bind(vias, start)
+    except TypeError as error:
+        raise InputError(
+            f"{label} cannot be made from points and times alone, so its times cannot be chosen"
+        ) from error
     for name in names:
         checked_choice("free quantity", name, FREE)
         if name not in parameters:
-            label = getattr(make, "__name__", "this profile")
             have = [one for one in FREE if one in parameters]
             raise InputError(f"{label} has no free {name}; it has: {', '.join(have) or 'none'}")
     shortest = float(np.diff(start).min() / (start[-1] - start[0]))

@@ -9,12 +9,10 @@ from puma_septic.assessment import Assessment, LimitCheck
 from puma_septic.assessment.checks import QUANTITIES
 from puma_septic.checks import checked_choice, checked_number
 from puma_septic.errors import InputError
+from puma_septic.limit_check import AT_LIMIT
 from puma_septic.tables import Cell, number, text_table
 
 __all__ = ["assert_feasible"]
-
-# 80 % of a limit keeps a margin of 20 %, although 1 - 0.8 < 0.2 in floating point.
-_ROUNDING = 1e-12
 
 
 def assert_feasible(
@@ -81,7 +79,7 @@ def _ignored(assessment: Assessment, ignore: Iterable[str | tuple[str, str]]) ->
 def _is_kept(check: LimitCheck, margin: float) -> bool:
     if check.quantity == "position":
         return not check.is_violated
-    return check.margin >= margin - _ROUNDING
+    return check.margin >= margin - AT_LIMIT
 
 
 def _message(assessment: Assessment, failed: list[LimitCheck], margin: float) -> str:

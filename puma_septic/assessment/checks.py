@@ -9,6 +9,7 @@ from typing import Any, Final, final
 import numpy as np
 
 from puma_septic.checks import Array
+from puma_septic.limit_check import AT_LIMIT
 from puma_septic.piecewise import Extrema
 from puma_septic.robot import Robot
 
@@ -24,8 +25,6 @@ UNITS: Final = {
 }
 # No arm can follow these where they are infinite, whatever its limits; an infinite jerk it smooths.
 _IMPOSSIBLE: Final = ("acceleration", "effort")
-# What is at its limit to rounding does not violate it.
-_ROUNDING: Final = 1e-12
 
 
 @final
@@ -65,8 +64,8 @@ class LimitCheck:
 
     @property
     def is_violated(self) -> bool:
-        """Whether the demand exceeds the limit by more than rounding."""
-        return not self.margin >= -_ROUNDING
+        """Whether the demand exceeds the limit by more than `limit_check.AT_LIMIT`."""
+        return not self.margin >= -AT_LIMIT
 
     @property
     def limit_text(self) -> str:
@@ -124,7 +123,7 @@ def _position_check(robot: Robot, j: int, position: Extrema) -> LimitCheck:
     )
     utilisation = abs(demand - (lower + upper) / 2) / ((upper - lower) / 2)
     if np.isnan(utilisation):
-        utilisation = 0.0 if margin >= -_ROUNDING else np.inf
+        utilisation = 0.0 if margin >= -AT_LIMIT else np.inf
     return LimitCheck(
         joint=robot.joint_names[j],
         quantity="position",

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final, Literal, final
+from typing import Literal, final
 
 import numpy as np
+
+from puma_septic.limit_check import AT_LIMIT
 
 __all__ = ["Kind", "NotAssessed", "Outcome", "SizingCheck"]
 
 Kind = Literal["physics", "vendor procedure", "rule of thumb"]
-
-# What is at its limit to rounding does not violate it.
-_ROUNDING: Final = 1e-12
 
 
 @final
@@ -57,8 +56,8 @@ class SizingCheck:
 
     @property
     def is_violated(self) -> bool:
-        """Whether the demand exceeds the limit by more than rounding."""
-        return not self.margin >= -_ROUNDING
+        """Whether the demand exceeds the limit by more than `limit_check.AT_LIMIT`."""
+        return not self.margin >= -AT_LIMIT
 
     def __str__(self) -> str:
         size = "unbounded" if np.isinf(self.demand) else f"{self.demand:.4g} {self.unit}".rstrip()

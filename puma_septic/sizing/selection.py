@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from puma_septic.checks import Array, checked_choice
 from puma_septic.drives import Catalogue, Drivetrain
+from puma_septic.limit_check import AT_LIMIT
 from puma_septic.sizing.bounds import utilisation_bounds
 from puma_septic.sizing.checks import assess_joint
 from puma_septic.sizing.demands import Demands
@@ -29,7 +30,7 @@ Rank = Literal["mass", "cost", "margin"]
 RANKS: Final[tuple[Rank, ...]] = ("mass", "cost", "margin")
 _UNBOUNDED: Final = "unbounded torque (a velocity steps)"
 # A limit that is used by more than this is broken whatever the rounding, see `SizingCheck.is_violated`.
-_CERTAIN: Final = 1 + 1e-11
+_CERTAIN: Final = 1 + 10 * AT_LIMIT
 
 
 @final

@@ -17,10 +17,6 @@ from puma_septic.trajectory import Trajectory
 
 __all__ = ["Motion", "compute_motion"]
 
-# A joint that travels less than this, relative to its position (at least 1 rad), over an interval is still there:
-# some thousand roundings, far below what any encoder resolves.
-_STILL = 1e-12
-
 
 @final
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -34,8 +30,8 @@ class Motion:
     torque : Piecewise
         Joint-side actuator torque in N m (N for prismatic joints). It steps where a joint reverses or comes to rest, by
         the Coulomb friction. While a joint is at rest its Coulomb term is 0: static friction is indeterminate.
-    still : ndarray of bool, shape (n_intervals, n_joints)
-        Whether each joint is at rest throughout each interval of ``torque.breaks``.
+    direction : Piecewise
+        Which way each joint travels on each interval of ``torque.breaks``: +1, -1, or 0 at rest.
     n_evaluations : int
         How many samples of the rigid-body dynamics were computed.
     """
@@ -43,8 +39,15 @@ class Motion:
     robot: Robot
     trajectory: Trajectory
     torque: Piecewise
-    still: NDArray[np.bool_]
+    direction: Piecewise
     n_evaluations: int
+
+    @property
+    def still(self) -> NDArray[np.bool_]:
+        """Whether each joint is at rest throughout each interval of ``torque.breaks``, shape (n, n_joints)."""
+        still = np.asarray(self.direction.coefficients[0] == 0)
+        still.setflags(write=False)
+        return still
 
     @property
     def power(self) -> Piecewise:
@@ -91,23 +94,24 @@ def compute_motion(robot: Robot, trajectory: Trajectory) -> Motion:
     n = robot.n_joints
     n_evaluations = 0
 
-    def torque_at(t: Array) -> Array:
+    def torque_of(state: Array) -> Array:
         nonlocal n_evaluations
-        n_evaluations += len(t)
-        state = trajectory.state(t)
+        n_evaluations += len(state)
         return smooth_torque(robot, state[:, :n], state[:, n : 2 * n], state[:, 2 * n : 3 * n])
 
     try:
-        smooth = Piecewise.fit(torque_at, trajectory.breaks)
+        smooth = trajectory.state.mapped(torque_of)
     except PumaSepticError as error:
         raise InputError(_why_not_resolved(robot, trajectory)) from error
-    velocity = _moving_velocity(trajectory)
-    smooth = smooth.split(np.concatenate(velocity.roots()))
-    sign = np.sign(velocity((smooth.breaks[:-1] + smooth.breaks[1:]) / 2))
-    coulomb = Piecewise(breaks=smooth.breaks, coefficients=coulomb_torque(robot, sign)[None])
-    still = sign == 0
-    still.setflags(write=False)
-    return Motion(robot=robot, trajectory=trajectory, torque=smooth + coulomb, still=still, n_evaluations=n_evaluations)
+    direction = trajectory.direction
+    torque = smooth + direction.stepwise(coulomb_torque(robot, direction.coefficients[0]))
+    return Motion(
+        robot=robot,
+        trajectory=trajectory,
+        torque=torque,
+        direction=direction.aligned_with(torque),
+        n_evaluations=n_evaluations,
+    )
 
 
 def _check_joints(robot: Robot, trajectory: Trajectory) -> None:
@@ -134,37 +138,21 @@ def _why_not_resolved(robot: Robot, trajectory: Trajectory) -> str:
     unit = "m" if robot.is_prismatic[j] else "rad"
     return (
         f"the torque along this trajectory ({trajectory.profile}) cannot be resolved: joint {robot.joint_names[j]!r}"
-        f" swings from {position.min[j]:.4g} to {position.max[j]:.4g} {unit} in {trajectory.duration:.4g} s; are its"
-        " points and times meant?"
+        f" swings from {position.min[j]:.4g} to {position.max[j]:.4g} {unit} in {trajectory.duration:.4g} s; check the"
+        " points and times"
     )
-
-
-def _moving_velocity(trajectory: Trajectory) -> Piecewise:
-    """Velocity, exactly zero on intervals over which a joint moves by no more than rounding."""
-    velocity, position = trajectory.derivative(1), trajectory.derivative(0)
-    travel = np.abs(velocity.coefficients).sum(axis=0) * np.diff(velocity.breaks)[:, None]
-    reach = np.maximum(1.0, np.abs(position.coefficients).sum(axis=0).max(axis=0))
-    still = travel <= _STILL * reach
-    if not still.any():
-        return velocity
-    return Piecewise(breaks=velocity.breaks, coefficients=np.where(still, 0.0, velocity.coefficients))
 
 
 def _split_torque(motion: Motion) -> TorqueTerms[Piecewise]:
     """Each term fitted on its own; the Coulomb term as the motion has it."""
     robot, trajectory, n = motion.robot, motion.trajectory, motion.robot.n_joints
 
-    def terms_at(t: Array) -> Array:
-        q, v, a = (trajectory(t, order) for order in range(3))
+    def terms_of(state: Array) -> Array:
+        q, v, a = (state[:, k * n : (k + 1) * n] for k in range(3))
         return np.concatenate(list(smooth_terms(robot, q, v, a).values()), axis=1)
 
-    fitted = Piecewise.fit(terms_at, trajectory.breaks)
+    fitted = trajectory.state.mapped(terms_of)
     names = list(smooth_terms(robot, *np.zeros((3, 1, n))))
-    parts = {
-        name: Piecewise(breaks=fitted.breaks, coefficients=fitted.coefficients[:, :, k * n : (k + 1) * n])
-        for k, name in enumerate(names)
-    }
-    middles = (motion.torque.breaks[:-1] + motion.torque.breaks[1:]) / 2
-    sign = np.where(motion.still, 0.0, np.sign(trajectory(middles, 1)))
-    parts["coulomb"] = Piecewise(breaks=motion.torque.breaks, coefficients=coulomb_torque(robot, sign)[None])
+    parts = {name: fitted[k * n : (k + 1) * n] for k, name in enumerate(names)}
+    parts["coulomb"] = motion.direction.stepwise(coulomb_torque(robot, motion.direction.coefficients[0]))
     return TorqueTerms(**parts)

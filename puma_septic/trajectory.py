@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, checked_array, checked_times
+from puma_septic.checks import Array, checked_array, checked_times, read_only
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Extrema, Jumps, Piecewise
+from puma_septic.piecewise.directions import find_directions
 from puma_septic.piecewise.matrices import end_derivatives
 
 __all__ = ["Trajectory"]
 
 ORDERS = ("position", "velocity", "acceleration", "jerk")
 _ORDERS = np.arange(4.0)[:, None, None]
-# A step below this part of the largest value of its kind is none.
-_JUMP_TOLERANCE = 1e-9
+# A step below this part of the largest value of its kind is none: of position, velocity, acceleration and jerk. The
+# acceleration of a series that was fitted to 1e-11 has lost four digits, and its steps make the jerk infinite.
+_JUMP_TOLERANCE = np.array([1e-9, 1e-9, 1e-7, 1e-9])
 # Positions that differ by less than this part are one.
 _SAME = 1e-13
 # What a profile's arithmetic makes of one rounding of a coefficient or a time: the worst measured is 14, over all
@@ -48,6 +50,13 @@ class Trajectory:
         Name of the family that made it.
     joint_names : tuple of str
         Empty where the profile was made without a robot.
+    rest_before, rest_after : bool
+        Whether the arm is at rest before the start and after the end, so that a velocity there is a step. False for an
+        excerpt that starts or ends moving.
+    resolution : array_like, shape () or (n_joints,)
+        Travel in rad (m) that does not count as motion, such as the dead band of a recorded signal: reversals within it
+        are none, and a joint that stays within it for `REST_TIME` or longer is at rest. At least `STILL` counts as
+        nothing in any motion.
 
     Raises
     ------
@@ -67,10 +76,20 @@ class Trajectory:
     times: Array
     profile: str = "trajectory"
     joint_names: tuple[str, ...] = ()
+    rest_before: bool = True
+    rest_after: bool = True
+    resolution: ArrayLike = 0.0
 
     def __post_init__(self) -> None:
         times = checked_times("times", self.times)
         n = self.position.n_components
+        for name in ("rest_before", "rest_after"):
+            if not isinstance(getattr(self, name), bool):
+                raise InputError(f"{name} = {getattr(self, name)!r}: expected True or False")
+        resolution = checked_array("resolution", self.resolution, () if np.ndim(self.resolution) == 0 else (n,))
+        if not (resolution >= 0).all():
+            raise InputError(f"resolution = {resolution.min():g}: must be at least 0")
+        object.__setattr__(self, "resolution", read_only(np.broadcast_to(resolution, n)))
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "points", checked_array("points", self.points, (len(times), n), unit="rad"))
         if self.joint_names and len(self.joint_names) != n:
@@ -80,7 +99,7 @@ class Trajectory:
 
     def _refuse_position_jumps(self) -> None:
         jumps = self.position.jumps()
-        allowed = _JUMP_TOLERANCE * np.abs(self.position.coefficients).sum(axis=0).max(axis=0)
+        allowed = _JUMP_TOLERANCE[0] * np.abs(self.position.coefficients).sum(axis=0).max(axis=0)
         bad = np.abs(jumps.sizes) > allowed
         if bad.any():
             k, j = np.argwhere(bad)[0]
@@ -123,9 +142,24 @@ class Trajectory:
     def _state_jumps(self) -> Jumps:
         """Steps of `state` that are larger than rounding, the ends held against rest."""
         left, right = self.state.ends()
-        rest = np.zeros((1, left.shape[1]))
-        sizes = np.concatenate([left, rest]) - np.concatenate([rest, right])
+        before = np.where(self.rest_before, 0.0, left[:1])
+        after = np.where(self.rest_after, 0.0, right[-1:])
+        sizes = np.concatenate([left, after]) - np.concatenate([before, right])
         return Jumps(times=self.breaks, sizes=np.where(np.abs(sizes) > self._jump_tolerance(), sizes, 0.0))
+
+    @cached_property
+    def direction(self) -> Piecewise:
+        """Which way each joint travels: +1, -1, or 0 while it rests, constant between breaks of its own.
+
+        It is the sign of the travel between two reversals, never that of a velocity at a point, so that rounding
+        decides nothing; see `find_directions`.
+        """
+        return find_directions(self.position, np.asarray(self.resolution))
+
+    @property
+    def excerpt(self) -> Trajectory:
+        """The same motion as part of a longer one: the arm need not be at rest before it and after it."""
+        return replace(self, rest_before=False, rest_after=False)
 
     def _part(self, order: int) -> slice:
         """Where `state` holds the derivative of this order."""
@@ -164,7 +198,7 @@ class Trajectory:
     def jumps(self, order: int) -> Jumps:
         """Steps of velocity (1), acceleration (2) or jerk (3), larger than rounding, at breaks and ends.
 
-        Before the first and after the last instant the arm is at rest, so a value other than zero there is a step.
+        Where the arm is at rest before the first and after the last instant, a value other than zero there is a step.
         """
         if order == 0:
             raise InputError("order = 0: the position of a trajectory never jumps; valid: 1, 2, 3")
@@ -191,19 +225,21 @@ class Trajectory:
         return np.where(never, extrema.peak, np.inf), np.where(never, extrema.t_peak, unbounded)
 
     def _jump_tolerance(self) -> Array:
-        """Per break and component of `state`: a part of its largest value, or what rounding makes of zero if more.
+        """Per break and component of `state`: a part of the largest value of its kind, or what rounding makes of zero.
 
-        A coefficient that is off by d moves derivative r at an end by ``d T_n^(r)(1) (2/h)^r``. It is off by roundings
+        The largest over all joints: what is rounding of the whole motion is none of one joint. A coefficient that is
+        off by d moves derivative r at an end by ``d T_n^(r)(1) (2/h)^r``. It is off by roundings
         of itself, as many more as the interval is shorter than the time is late, and by those of the position where
         the series has been resampled; one that is exactly zero is not off.
         """
-        largest = np.abs(self.state.coefficients).sum(axis=0).max(axis=0)
+        by_kind = np.abs(self.state.coefficients).sum(axis=0).max(axis=0).reshape(4, -1)
+        least = np.repeat(_JUMP_TOLERANCE * by_kind.max(axis=1), self.n_joints)
         size = np.abs(self.position.coefficients)
-        lengths = np.diff(self.breaks)[:, None]
-        late = 1 + np.abs(self.breaks).max() / lengths
+        lengths = self.position.lengths[:, None]
+        late = 1 + self.duration / lengths
         off = _ROUNDING * late * size + _RESAMPLED * (size > 0) * size.sum(axis=0)
         noise = np.tensordot(end_derivatives(self.position.degree), off, 1) * (2 / lengths) ** _ORDERS
-        noise = np.maximum(_JUMP_TOLERANCE * largest, noise.transpose(1, 0, 2).reshape(len(lengths), -1))
+        noise = np.maximum(least, noise.transpose(1, 0, 2).reshape(len(lengths), -1))
         return np.asarray(np.maximum(np.concatenate([noise[:1], noise]), np.concatenate([noise, noise[-1:]])))
 
     @property

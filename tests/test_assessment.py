@@ -420,8 +420,9 @@ def test_static_friction_is_named_for_the_joints_that_rest(puma: ps.Robot) -> No
     (remark,) = [r for r in ps.assess(puma, paper("septic")).remarks if "static friction" in r]
     # Joint 4 alone rests: 76.0364 * 0.0112 and 76.0364 * 0.0169 N m.
     assert remark.endswith(": joint4 [-1.29, 0.852]")
-    (remark,) = [r for r in assessed("septic").remarks if "static friction" in r]
+    remark, holding = [r for r in assessed("septic").remarks if "static friction" in r]
     assert all(name in remark for name in puma.joint_names)
+    assert holding.startswith("holding torque of the dwell without static friction, which counts here, and with all")
     (remark,) = [r for r in ps.assess(puma, paper("quintic_segments")).remarks if "static friction" in r]
     assert all(name in remark for name in puma.joint_names)
     unknown = ps.assess(puma.with_actuators([ps.Actuator()] * 6), paper("septic"), dwell=1.0)

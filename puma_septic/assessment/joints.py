@@ -61,12 +61,15 @@ def joint_metrics(motion: Motion, dwell: float) -> JointMetrics:
     torque = motion.torque.extrema()
     blow_time, blow_sign = first_blows(motion)
     struck = ~np.isnan(blow_time)
-    square = motion.torque.inner(motion.torque)
-    if dwell:
-        square = square + holding_torque(motion) ** 2 * dwell
+    held = holding_torque(motion) if dwell else np.zeros(motion.robot.n_joints)
+    square = motion.torque.inner(motion.torque) + held**2 * dwell
     # The extreme that is named by its instant; a constant has both at once.
     constant = torque.t_min == torque.t_max
     negative = np.where(constant, torque.min < 0, torque.t_peak == torque.t_min)
+    # Friction may help while the arm moves; what holds it at rest may be more.
+    rests = np.abs(held) > torque.peak
+    peak, negative = np.where(rests, np.abs(held), torque.peak), np.where(rests, held < 0, negative)
+    t_peak = np.where(rests, trajectory.breaks[-1], torque.t_peak)
     metrics = JointMetrics(
         peak_velocity=v,
         peak_velocity_time=t_v,
@@ -74,8 +77,8 @@ def joint_metrics(motion: Motion, dwell: float) -> JointMetrics:
         peak_acceleration_time=t_a,
         peak_jerk=j,
         peak_jerk_time=t_j,
-        peak_torque=np.where(struck, np.inf, torque.peak),
-        peak_torque_time=np.where(struck, blow_time, torque.t_peak),
+        peak_torque=np.where(struck, np.inf, peak),
+        peak_torque_time=np.where(struck, blow_time, t_peak),
         peak_torque_sign=np.where(struck, blow_sign, np.where(negative, -1.0, 1.0)),
         rms_velocity=np.where(np.isinf(v), np.inf, rms_v),
         rms_acceleration=np.where(np.isinf(a), np.inf, rms_a),

@@ -9,10 +9,10 @@ from typing import Any, final
 import numpy as np
 
 from puma_septic.assessment.checks import QUANTITIES, LimitCheck, limit_checks, unknown_values
-from puma_septic.assessment.joints import PowerMetrics, joint_metrics, power_metrics
+from puma_septic.assessment.joints import PowerMetrics, holding_torque, joint_metrics, power_metrics
 from puma_septic.assessment.texts import assessment_document, assessment_html, assessment_text
 from puma_septic.assessment.tool import ToolMetrics, tool_metrics
-from puma_septic.checks import Array, checked_number
+from puma_septic.checks import Array, checked_number, read_only
 from puma_septic.errors import InputError
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.piecewise import Extrema
@@ -20,6 +20,9 @@ from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["Assessment", "assess"]
+
+# A torque below this part of the arm's largest is rounding, and is told as 0.
+_NO_TORQUE = 1e-12
 
 
 @final
@@ -41,7 +44,8 @@ class Assessment:
     peak_velocity_time, peak_acceleration_time, peak_jerk_time : ndarray
         Their instants, s.
     peak_torque, peak_torque_time, peak_torque_sign : ndarray
-        Largest magnitude of the actuator torque at the joint in N m (N), its instant and its sign.
+        Largest magnitude of the actuator torque at the joint in N m (N), its instant and its sign; a dwell counts with
+        its holding torque.
     rms_velocity, rms_acceleration, rms_jerk : ndarray
         Root mean squares over motion and dwell.
     rms_torque : ndarray
@@ -82,6 +86,21 @@ class Assessment:
     @cached_property
     def _power(self) -> PowerMetrics:
         return power_metrics(self.motion)
+
+    @cached_property
+    def holding_torque(self) -> Array:
+        """Torque that holds the arm at rest at the last point without static friction, N m (N)."""
+        return read_only(holding_torque(self.motion))
+
+    @cached_property
+    def least_holding_torque(self) -> Array:
+        """The same with all the help that static friction can give, taken equal to Coulomb friction: 0 within its band.
+
+        Friction can carry any torque of its band, so the actuator needs at least the distance of the holding torque
+        from it.
+        """
+        positive, negative = self.motion.robot.coulomb_friction.T
+        return read_only(self.holding_torque - np.clip(self.holding_torque, -positive, -negative))
 
     @property
     def peak_power(self) -> Array:
@@ -183,7 +202,8 @@ def assess(what: Motion | Robot, trajectory: Trajectory | None = None, *, dwell:
     Raises
     ------
     InputError
-        For a negative dwell, or a trajectory that is missing or not the robot's.
+        For a negative dwell, a dwell after a motion that ends moving, or a trajectory that is missing or not the
+        robot's.
 
     Examples
     --------
@@ -200,6 +220,8 @@ def assess(what: Motion | Robot, trajectory: Trajectory | None = None, *, dwell:
     else:
         raise InputError("assess takes either a motion, or a robot and a trajectory")
     dwell = checked_number("dwell", dwell, unit="s", at_least=0.0)
+    if dwell and not motion.trajectory.rest_after:
+        raise InputError(f"dwell = {dwell:g} s: the motion ends moving (rest_after=False), so no rest can follow it")
     return Assessment(motion=motion, dwell=dwell, **joint_metrics(motion, dwell))
 
 
@@ -214,6 +236,22 @@ def _static_friction_remarks(assessment: Assessment) -> tuple[str, ...]:
     ]
     if not bands:
         return ()
+    remark = "at rest, static friction may carry any torque within its band (N m), taken as 0 here: " + ", ".join(bands)
+    return (remark, *_holding_remarks(assessment))
+
+
+def _holding_remarks(assessment: Assessment) -> tuple[str, ...]:
+    """What a dwell takes, without and with the help of static friction."""
+    if not assessment.dwell:
+        return ()
+    rounding = _NO_TORQUE * np.abs(assessment.holding_torque).max()
+    torques = [
+        np.where(np.abs(torque) > rounding, torque, 0.0)
+        for torque in (assessment.holding_torque, assessment.least_holding_torque)
+    ]
+    both = zip(assessment.motion.robot.joint_names, *torques, strict=True)
+    joints = [f"{name} {alone:.4g} ({helped:.4g})" for name, alone, helped in both]
     return (
-        "at rest, static friction may carry any torque within its band (N m), taken as 0 here: " + ", ".join(bands),
+        "holding torque of the dwell without static friction, which counts here, and with all its help (N m): "
+        + ", ".join(joints),
     )

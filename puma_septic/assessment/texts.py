@@ -21,7 +21,8 @@ SCHEMA: Final = "puma-septic/assessment/1"
 _PER_JOINT: Final = (
     "peak_velocity", "peak_velocity_time", "peak_acceleration", "peak_acceleration_time", "peak_jerk", "peak_jerk_time",
     "peak_torque", "peak_torque_time", "peak_torque_sign", "rms_velocity", "rms_acceleration", "rms_jerk", "rms_torque",
-    "peak_power", "peak_regenerated_power", "energy_in", "energy_out", "overshoot",
+    "holding_torque", "least_holding_torque", "peak_power", "peak_regenerated_power", "energy_in", "energy_out",
+    "overshoot",
 )  # fmt: skip
 _TOOL: Final = (
     "peak_speed", "peak_speed_time", "peak_acceleration", "peak_acceleration_time", "height_range", "height_times",

@@ -72,13 +72,15 @@ def tool_metrics(motion: Motion) -> ToolMetrics:
     """Fit height, squared speed, squared acceleration and the singularity measures; take their extrema."""
     robot, trajectory = motion.robot, motion.trajectory
 
-    def measures(t: Array) -> Array:
-        q, v, a = (trajectory(t, order) for order in range(3))
+    n = robot.n_joints
+
+    def measures(state: Array) -> Array:
+        q, v, a = (state[:, k * n : (k + 1) * n] for k in range(3))
         tool = tool_motion(robot, q, v, a)
         squares = [(vector**2).sum(axis=1) for vector in (tool.velocity, tool.acceleration)]
         return np.column_stack([tool.position[:, 2], *squares, singularity_distances(robot, q)])
 
-    series = Piecewise.fit(measures, trajectory.breaks)
+    series = trajectory.state.mapped(measures)
     extrema = series.extrema()
     step = trajectory.unbounded(2)
     bounded = bool(np.isnan(step).all())
@@ -96,7 +98,7 @@ def tool_metrics(motion: Motion) -> ToolMetrics:
 def _singularities(robot: Robot, trajectory: Trajectory, series: Piecewise) -> tuple[SingularityReport, ...]:
     kinds = singularity_names(robot)
     first = series.n_components - len(kinds)
-    distances = Piecewise(breaks=series.breaks, coefficients=series.coefficients[:, :, first:])
+    distances = series[first:]
     extrema = distances.extrema()
     zero = singularity_zeros(robot, trajectory(trajectory.breaks))
     candidates = zip(distances.roots(), distances.derivative().roots(), strict=True)

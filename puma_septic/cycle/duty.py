@@ -111,14 +111,12 @@ class Cycle:
     @cached_property
     def velocity_sign(self) -> Array:
         """Direction of each joint on each interval of ``load_torque.breaks``, 0 at rest, shape (n, n_joints)."""
-        breaks = self.load_torque.breaks
-        sign = np.sign(self.trajectory((breaks[:-1] + breaks[1:]) / 2, 1))
-        return np.where(np.concatenate([step.still for step in self._stretches]), 0.0, sign)
+        return np.concatenate([step.direction for step in self._stretches])
 
     @cached_property
     def braked(self) -> NDArray[np.bool_]:
         """Whether a brake holds the joints on each interval of ``load_torque.breaks``, shape (n,)."""
-        return np.concatenate([np.full(len(step.still), step.braked) for step in self._stretches])
+        return np.concatenate([np.full(len(step.direction), step.braked) for step in self._stretches])
 
     @cached_property
     def inertia(self) -> Piecewise:
@@ -155,8 +153,7 @@ class Cycle:
     @cached_property
     def rms_torque(self) -> Array:
         """Root mean square of `torque` over the whole cycle, shape (n_joints,); infinite where it is unbounded."""
-        rms = np.sqrt(self.torque.inner(self.torque) / self.duration)
-        return np.where(np.isnan(self.unbounded), rms, np.inf)
+        return np.where(np.isnan(self.unbounded), self.torque.rms(), np.inf)
 
     @cached_property
     def mean_speed(self) -> Array:
@@ -169,12 +166,7 @@ class Cycle:
 
     def _sequence(self, functions: Sequence[Piecewise]) -> Piecewise:
         """Functions that each begin at 0, one after the other."""
-        degree = max(f.degree for f in functions)
-        breaks = [f.breaks[:-1] + start for f, start in zip(functions, self.starts[:-1], strict=True)]
-        padded = [np.pad(f.coefficients, ((0, degree - f.degree), (0, 0), (0, 0))) for f in functions]
-        return Piecewise(
-            breaks=np.concatenate([*breaks, self.starts[-1:]]), coefficients=np.concatenate(padded, axis=1)
-        )
+        return Piecewise.sequence(functions)
 
 
 def with_return(motion: Motion, *, dwell: float = 0.0, robot_back: Robot | None = None) -> Cycle:
@@ -198,7 +190,7 @@ def with_return(motion: Motion, *, dwell: float = 0.0, robot_back: Robot | None 
     """
     trajectory = motion.trajectory
     back = Trajectory(
-        position=_reversed(trajectory.position),
+        position=trajectory.position.reversed(),
         points=trajectory.points[::-1],
         times=trajectory.breaks[-1] - trajectory.times[::-1],
         profile=f"{trajectory.profile}, reversed",
@@ -206,10 +198,3 @@ def with_return(motion: Motion, *, dwell: float = 0.0, robot_back: Robot | None 
     )
     rest = [Dwell(duration=dwell)] if checked_number("dwell", dwell, unit="s", at_least=0.0) else []
     return Cycle(steps=(motion, *rest, compute_motion(robot_back or motion.robot, back), *rest))
-
-
-def _reversed(f: Piecewise) -> Piecewise:
-    """``f(end - t)`` from t = 0."""
-    signs = (-1.0) ** np.arange(f.degree + 1)
-    mirrored = (f.coefficients * signs[:, None, None])[:, ::-1]
-    return Piecewise(breaks=f.breaks[-1] - f.breaks[::-1], coefficients=mirrored)

@@ -51,13 +51,16 @@ class Dwell:
 @final
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Stretch:
-    """One step of a cycle, from time 0: the arm, and what it does; `load` is the torque without drives."""
+    """One step of a cycle, from time 0: the arm, and what it does.
+
+    `load` is the torque without drives, `direction` the way of each joint on each interval of its breaks, 0 at rest.
+    """
 
     robot: Robot
     position: Piecewise
     torque: Piecewise
     load: Piecewise
-    still: NDArray[np.bool_]
+    direction: Array
     braked: bool
     label: str
 
@@ -94,10 +97,10 @@ def stretch(steps: tuple[Motion | Dwell, ...], k: int) -> Stretch:
         bare = compute_motion(_without_drives(step.robot), trajectory)
         return Stretch(
             robot=step.robot,
-            position=_from_zero(trajectory.position),
-            torque=_from_zero(step.torque),
-            load=_from_zero(bare.torque),
-            still=bare.still.astype(bool),
+            position=trajectory.position.from_zero(),
+            torque=step.torque.from_zero(),
+            load=bare.torque.from_zero(),
+            direction=bare.direction.coefficients[0],
             braked=False,
             label=f"steps[{k}] ({trajectory.profile}, {trajectory.duration:g} s)",
         )
@@ -113,15 +116,12 @@ def _dwell_stretch(steps: tuple[Motion | Dwell, ...], k: int, dwell: Dwell) -> S
     rest = np.zeros_like(q)
     load = inverse_dynamics(robot, q, rest, rest, friction=False)
 
-    def held(values: Array) -> Piecewise:
-        return Piecewise(breaks=np.array([0.0, dwell.duration]), coefficients=values[None, None])
-
     return Stretch(
         robot=robot,
-        position=held(q),
-        torque=held(rest if dwell.holding_brake else load),
-        load=held(load),
-        still=np.ones((1, len(q)), dtype=bool),
+        position=Piecewise.constant(q, dwell.duration),
+        torque=Piecewise.constant(rest if dwell.holding_brake else load, dwell.duration),
+        load=Piecewise.constant(load, dwell.duration),
+        direction=rest[None],
         braked=dwell.holding_brake,
         label=f"steps[{k}] (dwell, {dwell.duration:g} s)",
     )
@@ -131,28 +131,23 @@ def _without_drives(robot: Robot) -> Robot:
     return robot.with_actuators((Actuator(),) * robot.n_joints)
 
 
-def _from_zero(f: Piecewise) -> Piecewise:
-    return Piecewise(breaks=f.breaks - f.breaks[0], coefficients=f.coefficients) if f.breaks[0] else f
-
-
 def inertia(stretch: Stretch) -> Piecewise:
     """``M_jj(q)`` without rotors along a step."""
     bare = _without_drives(stretch.robot)
 
-    def diagonal(t: Array) -> Array:
-        return np.asarray(np.diagonal(mass_matrix(bare, stretch.position(t)), axis1=1, axis2=2))
+    def diagonal(q: Array) -> Array:
+        return np.asarray(np.diagonal(mass_matrix(bare, q), axis1=1, axis2=2))
 
-    return Piecewise.fit(diagonal, stretch.position.breaks)
+    return stretch.position.mapped(diagonal)
 
 
 def gravity(stretch: Stretch) -> Piecewise:
     """Torque that holds the arm at rest along a step, with payload and wrench."""
 
-    def held(t: Array) -> Array:
-        q = stretch.position(t)
+    def held(q: Array) -> Array:
         return inverse_dynamics(stretch.robot, q, np.zeros_like(q), np.zeros_like(q), friction=False)
 
-    return Piecewise.fit(held, stretch.position.breaks)
+    return stretch.position.mapped(held)
 
 
 def check_join(one: Stretch, other: Stretch) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +14,12 @@ from puma_septic.piecewise import matrices
 
 __all__ = ["fit_series"]
 
+Sampler = Callable[[NDArray[np.int64], Array], Array]
 # Nested node sets: each holds the one before, so that raising the degree asks only for the nodes between.
-_DEGREES = (24, 48, 96)
-# Bisection stops here: an interval this small, relative to the span, means that the function is not smooth.
+_DEGREES = (12, 24, 48, 96)
+# A round costs more than the samples of one interval, and less than those of many.
+_FEW = 64
+# Bisection stops here: a part this small of an interval means that the function is not smooth.
 _SMALLEST = 2.0**-20
 # And here: noise everywhere would be bisected everywhere. A thousand times what the wildest torque has needed.
 _MOST_SAMPLES = 200_000
@@ -25,54 +29,72 @@ _ROUNDING = 64 * np.finfo(np.float64).eps
 _TRIM = 0.01
 
 
-def fit_series(f: Callable[[Array], Array], breaks: Array, tolerance: float) -> tuple[Array, Array]:
-    """Breaks and coefficients (degree + 1, n, m) of `f`; see `Piecewise.fit`."""
-    pending = np.column_stack([breaks[:-1], breaks[1:]])
-    done: list[tuple[Array, Array]] = []
+def fit_series(sample: Sampler, offsets: Array, tolerance: float, *, start: float = 0.0) -> tuple[Array, Array]:
+    """Breaks, from the first, and coefficients (degree + 1, n, m) of what `sample(piece, x)` gives.
+
+    `sample` is called with the intervals (k,) and points x (k,) in [-1, 1] of them, and returns values (k, m); `start`
+    is for messages alone. See `Piecewise.fit`.
+    """
+    piece = np.arange(len(offsets) - 1)
+    pending = _Intervals(piece, np.full(len(piece), -1.0), np.full(len(piece), 1.0))
+    done: list[tuple[float, Array]] = []
     scale, noisy = np.zeros(1), np.zeros(1, dtype=np.bool_)
     n_samples = 0
-    while len(pending):
-        # A round costs more than the samples of a single interval.
-        degrees = _DEGREES[1:] if len(pending) == 1 else _DEGREES
-        values = _sample(f, pending, matrices.nodes(degrees[0]))
+    while len(pending.piece):
+        count = len(pending.piece)
+        degrees = _DEGREES[2:] if count == 1 else _DEGREES[1:] if count < _FEW else _DEGREES
+        values = _values(sample, pending, matrices.nodes(degrees[0]))
         for degree in degrees:
             if degree != degrees[0]:
-                values = _refined(f, pending, values, degree)
+                values = _refined(sample, pending, values, degree)
             scale = np.maximum(scale, np.abs(values).max(axis=(0, 1)))
             series = np.tensordot(matrices.coefficients_from_values(degree), values, 1)
             small, noise = _converged(series, scale, tolerance)
-            good = (small | noise).all(axis=1)
+            good: NDArray[np.bool_] = np.all(small | noise, axis=1)
             noisy = noisy | (noise & ~small)[good].any(axis=0)
-            done += [(pending[i], series[:, i]) for i in np.flatnonzero(good)]
+            done += zip(pending.some(good).starts(offsets).tolist(), np.moveaxis(series[:, good], 1, 0), strict=True)
             n_samples += len(values) * int(good.sum())
-            pending, values, series = pending[~good], values[:, ~good], series[:, ~good]
-            if not len(pending):
+            pending, values, series = pending.some(~good), values[:, ~good], series[:, ~good]
+            if not len(pending.piece):
                 break
-        n_samples += len(values) * len(pending)
-        if len(pending):
-            pending = _bisected(pending, breaks, series, scale, n_samples)
+        n_samples += len(values) * len(pending.piece)
+        if len(pending.piece):
+            pending = _bisected(pending, start + offsets, series, scale, n_samples)
     # A component that has been taken for noise must not carry it along.
-    return _joined(done, np.where(noisy, _ROUNDING * scale.max(), _TRIM * tolerance * scale))
+    negligible = np.where(noisy, _ROUNDING * scale.max(), _TRIM * tolerance * scale)
+    starts, coefficients = _joined(done, negligible)
+    return np.append(starts, offsets[-1]), coefficients
 
 
-def _sample(f: Callable[[Array], Array], intervals: Array, x: Array) -> Array:
+class _Intervals(NamedTuple):
+    """Parts [left, right] of [-1, 1] of the intervals `piece`."""
+
+    piece: NDArray[np.int64]
+    left: Array
+    right: Array
+
+    def some(self, which: NDArray[np.bool_]) -> _Intervals:
+        return _Intervals(self.piece[which], self.left[which], self.right[which])
+
+    def starts(self, offsets: Array) -> Array:
+        """Where they begin, s; whole intervals at the given offsets, to the last bit."""
+        here, following = offsets[self.piece], offsets[self.piece + 1]
+        return (here * (1 - self.left) + following * (1 + self.left)) / 2
+
+
+def _values(sample: Sampler, intervals: _Intervals, x: Array) -> Array:
     """Values at the points x of every interval, shape (len(x), n, m), in one call."""
-    left, right = intervals.T
-    times = (left * (1 - x)[:, None] + right * (1 + x)[:, None]) / 2
-    # f may step at a break and has the right-hand value there: the last instant of the interval is the one before.
-    times = np.clip(times, left, np.nextafter(right, left))
-    values = np.asarray(f(times.T.ravel()))
-    if not np.isfinite(values).all():
-        k = int(np.argwhere(~np.isfinite(values))[0, 0])
-        raise PumaSepticError(f"the function to be fitted is not finite at t = {times.T.ravel()[k]:.9g} s")
-    return np.moveaxis(values.reshape(len(intervals), len(x), -1), 0, 1)
+    inside = (intervals.left * (1 - x)[:, None] + intervals.right * (1 + x)[:, None]) / 2
+    piece = np.repeat(intervals.piece, len(x))
+    values = np.asarray(sample(piece, inside.T.ravel()))
+    return np.moveaxis(values.reshape(len(intervals.piece), len(x), -1), 0, 1)
 
 
-def _refined(f: Callable[[Array], Array], intervals: Array, values: Array, degree: int) -> Array:
+def _refined(sample: Sampler, intervals: _Intervals, values: Array, degree: int) -> Array:
     """Values at twice as many nodes, of which only the new ones are computed."""
     finer = np.empty((degree + 1, *values.shape[1:]))
     finer[::2] = values
-    finer[1::2] = _sample(f, intervals, matrices.nodes(degree)[1::2])
+    finer[1::2] = _values(sample, intervals, matrices.nodes(degree)[1::2])
     return finer
 
 
@@ -91,27 +113,31 @@ def _converged(series: Array, scale: Array, tolerance: float) -> tuple[NDArray[n
     return tail <= tolerance * scale, noise
 
 
-def _bisected(intervals: Array, breaks: Array, series: Array, scale: Array, n_samples: int) -> Array:
+def _bisected(intervals: _Intervals, breaks: Array, series: Array, scale: Array, n_samples: int) -> _Intervals:
     """Each interval as two; an interval too small for that, or too many of them, is an error."""
-    lengths = np.diff(intervals)[:, 0]
-    if (small := lengths.min() / (breaks[-1] - breaks[0])) < _SMALLEST or n_samples > _MOST_SAMPLES:
-        k = int(np.argmin(lengths))
+    parts = (intervals.right - intervals.left) / 2
+    if (small := parts.min()) < _SMALLEST or n_samples > _MOST_SAMPLES:
+        k = int(np.argmin(parts))
         component = int(np.argmax(_tail(series)[k] / np.maximum(scale, np.finfo(np.float64).tiny)))
+        left, right = breaks[intervals.piece[k]], breaks[intervals.piece[k] + 1]
+        first, last = (((1 - x) * left + (1 + x) * right) / 2 for x in (intervals.left[k], intervals.right[k]))
         raise PumaSepticError(
-            f"no Chebyshev series converges on [{intervals[k, 0]:.9g}, {intervals[k, 1]:.9g}] s (component {component};"
-            f" {small:.1e} of the span, {n_samples} samples): the function is not smooth there and needs a break"
+            f"no Chebyshev series converges on [{first:.9g}, {last:.9g}] s (component {component}; {small:.1e} of the"
+            f" interval, {n_samples} samples): the function is not smooth there and needs a break"
         )
-    middle = intervals.mean(axis=1)
-    halves = [np.column_stack([intervals[:, 0], middle]), np.column_stack([middle, intervals[:, 1]])]
-    return np.concatenate(halves)
+    middle = (intervals.left + intervals.right) / 2
+    return _Intervals(
+        np.concatenate([intervals.piece] * 2),
+        np.concatenate([intervals.left, middle]),
+        np.concatenate([middle, intervals.right]),
+    )
 
 
-def _joined(done: list[tuple[Array, Array]], negligible: Array) -> tuple[Array, Array]:
-    """The intervals in order, padded to one degree and cut where all that follows is negligible."""
-    done.sort(key=lambda item: float(item[0][0]))
+def _joined(done: list[tuple[float, Array]], negligible: Array) -> tuple[Array, Array]:
+    """The intervals' starts in order, and their series padded to one degree and cut where all is negligible."""
+    done.sort(key=lambda item: item[0])
     coefficients = np.zeros((max(len(series) for _, series in done), len(done), len(negligible)))
     for i, (_, series) in enumerate(done):
         coefficients[: len(series), i] = series
     kept = np.flatnonzero((np.abs(coefficients) > negligible).any(axis=(1, 2)))
-    breaks = np.array([interval[0] for interval, _ in done] + [done[-1][0][1]])
-    return breaks, coefficients[: (kept[-1] + 1 if len(kept) else 1)]
+    return np.array([start for start, _ in done]), coefficients[: (kept[-1] + 1 if len(kept) else 1)]

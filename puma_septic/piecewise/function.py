@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from puma_septic.checks import Array, checked_array, checked_times
-from puma_septic.errors import InputError
+from puma_septic.checks import Array, checked_array, checked_times, read_only
+from puma_septic.errors import InputError, PumaSepticError
 from puma_septic.piecewise import matrices
 from puma_septic.piecewise.fitting import fit_series
 from puma_septic.piecewise.results import Extrema, Jumps
@@ -18,8 +18,10 @@ from puma_septic.piecewise.search import find_extrema, find_sign_changes
 
 __all__ = ["Piecewise"]
 
-# Two times closer than this part of the largest time are one: a few hundred roundings of a time stamp.
+# Two times closer than this part of the span are one: a few hundred roundings of its length.
 _SAME_TIME = 1e-13
+# An integral below this part of what the coefficients could make it is rounding, and has no sign.
+_NO_SIGN = 64 * np.finfo(np.float64).eps
 
 
 @final
@@ -37,6 +39,13 @@ class Piecewise:
         Strictly increasing times in s.
     coefficients : array_like, shape (degree + 1, n, m)
 
+    Attributes
+    ----------
+    offsets : ndarray, shape (n + 1,)
+        Times of the breaks from the start of the span, s. All computing is done with these, so that a function that
+        begins at 1.7e9 s (a clock that counts from 1970) is as exact as one that begins at 0; ``breaks`` are
+        ``start + offsets``, rounded.
+
     Examples
     --------
     >>> ramp_and_rest = Piecewise.from_power([0.0, 1.0, 3.0], [[[0.0], [2.0]], [[2.0], [0.0]]])
@@ -48,6 +57,7 @@ class Piecewise:
 
     breaks: Array
     coefficients: Array
+    offsets: Array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         breaks = _checked_breaks(self.breaks)
@@ -56,16 +66,21 @@ class Piecewise:
             raise InputError(f"coefficients: at least one per interval and component, got {coefficients.shape}")
         object.__setattr__(self, "breaks", breaks)
         object.__setattr__(self, "coefficients", coefficients)
+        object.__setattr__(self, "offsets", read_only(breaks - breaks[0]) if breaks[0] else breaks)
 
     @classmethod
-    def _trusted(cls, breaks: Array, coefficients: Array) -> Piecewise:
+    def _trusted(cls, start: float, offsets: Array, coefficients: Array) -> Piecewise:
         """From arrays that this module has just made: no copy, no check; non-finite values still surface."""
         new = object.__new__(cls)
-        breaks.setflags(write=False)
-        coefficients.setflags(write=False)
-        object.__setattr__(new, "breaks", breaks)
-        object.__setattr__(new, "coefficients", coefficients)
+        breaks = start + offsets if start else offsets
+        for name, array in (("breaks", breaks), ("coefficients", coefficients), ("offsets", offsets)):
+            array.setflags(write=False)
+            object.__setattr__(new, name, array)
         return new
+
+    def _with(self, coefficients: Array) -> Piecewise:
+        """Other series on the same intervals."""
+        return self._trusted(self.start, self.offsets, coefficients)
 
     @classmethod
     def from_power(cls, breaks: ArrayLike, powers: ArrayLike) -> Piecewise:
@@ -107,18 +122,66 @@ class Piecewise:
         Whatever happens between 25 Chebyshev points of an interval and leaves no trace there, such as a spike, is
         not seen; give it a break.
         """
-        return cls._trusted(*fit_series(f, _checked_breaks(breaks), tolerance))
+        times = _checked_breaks(breaks)
+
+        def sample(piece: NDArray[np.int64], x: Array) -> Array:
+            left, right = times[piece], times[piece + 1]
+            # f may step at a break and has the right-hand value there: an interval's last instant is the one before.
+            t = np.clip((left * (1 - x) + right * (1 + x)) / 2, left, np.nextafter(right, left))
+            values = np.asarray(f(t))
+            if not np.isfinite(values).all():
+                k = int(np.argwhere(~np.isfinite(values))[0, 0])
+                raise PumaSepticError(f"the function to be fitted is not finite at t = {t[k]:.9g} s")
+            return values
+
+        start = float(times[0])
+        return cls._trusted(start, *fit_series(sample, times - start, tolerance, start=start))
+
+    def mapped(self, g: Callable[[Array], Array], *, tolerance: float = 1e-11) -> Piecewise:
+        """The series of ``g(f(t))``, as `fit` makes it, on intervals of this function.
+
+        Parameters
+        ----------
+        g : callable
+            ``g(values)`` with values of shape (k, m) returns shape (k, p); smooth. It never sees a time, so that
+            short intervals and late clocks cost no digits.
+        tolerance : float
+            Relative to each component's largest value.
+
+        Raises
+        ------
+        PumaSepticError
+            As `fit`.
+        """
+
+        def sample(piece: NDArray[np.int64], x: Array) -> Array:
+            return g(_evaluated(matrices.basis_at(x, self.degree), self.coefficients, piece))
+
+        return self._trusted(self.start, *fit_series(sample, self.offsets, tolerance, start=self.start))
 
     @classmethod
     def concatenate(cls, functions: Sequence[Piecewise]) -> Piecewise:
         """One function with the components of all, which must share their breaks, side by side."""
-        if not all(np.array_equal(f.breaks, functions[0].breaks) for f in functions[1:]):
+        if not all(_same_intervals(f, functions[0]) for f in functions[1:]):
             raise InputError("functions whose components are to stand side by side must share their breaks")
-        degree, ends = max(f.degree for f in functions), np.cumsum([f.n_components for f in functions])
-        side_by_side = np.zeros((degree + 1, len(functions[0].breaks) - 1, ends[-1]))
-        for f, end in zip(functions, ends, strict=True):
-            side_by_side[: f.degree + 1, :, end - f.n_components : end] = f.coefficients
-        return cls._trusted(functions[0].breaks, side_by_side)
+        degree = max(f.degree for f in functions)
+        return functions[0]._with(np.concatenate([_padded(f, degree) for f in functions], axis=2))
+
+    @classmethod
+    def constant(cls, values: ArrayLike, duration: float, *, start: float = 0.0) -> Piecewise:
+        """The function that has the values, shape (m,), all the time."""
+        values = checked_array("values", values, (None,))
+        return cls(breaks=np.array([start, start + duration]), coefficients=values[None, None])
+
+    @classmethod
+    def sequence(cls, functions: Sequence[Piecewise]) -> Piecewise:
+        """One function after the other, from time 0; each keeps its length."""
+        degree = max(f.degree for f in functions)
+        ends = np.cumsum([f.duration for f in functions])
+        starts = np.concatenate([[0.0], ends[:-1]])
+        offsets = [f.offsets[:-1] + start for f, start in zip(functions, starts, strict=True)]
+        series = np.concatenate([_padded(f, degree) for f in functions], axis=1)
+        return cls._trusted(0.0, np.concatenate([*offsets, ends[-1:]]), series)
 
     @property
     def n_components(self) -> int:
@@ -131,9 +194,61 @@ class Piecewise:
         return len(self.coefficients) - 1
 
     @property
+    def start(self) -> float:
+        """Where the span begins, s."""
+        return float(self.breaks[0])
+
+    @property
     def duration(self) -> float:
         """Length of the span in s."""
-        return float(self.breaks[-1] - self.breaks[0])
+        return float(self.offsets[-1])
+
+    @property
+    def lengths(self) -> Array:
+        """Lengths of the intervals in s, shape (n,)."""
+        return np.diff(self.offsets)
+
+    @property
+    def middles(self) -> Array:
+        """Instants in the middle of the intervals, s, shape (n,)."""
+        return self.start + (self.offsets[:-1] + self.offsets[1:]) / 2
+
+    def __getitem__(self, components: int | slice) -> Piecewise:
+        """One component, or some, as a function of its own."""
+        if not isinstance(components, slice):
+            components = slice(components, components + 1 or None)
+        return self._with(self.coefficients[:, :, components])
+
+    def by_interval(self, factors: ArrayLike) -> Piecewise:
+        """The function times a factor on each interval, shape (n,) or (n, m)."""
+        factors = np.asarray(factors, dtype=np.float64)
+        return self._with(self.coefficients * (factors[:, None] if factors.ndim == 1 else factors))
+
+    def stepwise(self, values: ArrayLike) -> Piecewise:
+        """The function that is constant on each interval of this one, values of shape (n, p)."""
+        values = checked_array("values", values, (len(self.offsets) - 1, None))
+        return self._with(values[None])
+
+    def aligned_with(self, other: Piecewise) -> Piecewise:
+        """The same function with the breaks of `other`, which has the same span, added to its own."""
+        return self._split_offsets([other.offsets])
+
+    def shifted(self, seconds: float) -> Piecewise:
+        """The same function, later by so many seconds: ``f(t - seconds)``."""
+        return self._trusted(self.start + float(seconds), self.offsets, self.coefficients)
+
+    def from_zero(self) -> Piecewise:
+        """The same function on a clock that begins at 0."""
+        return self if self.start == 0 else self._trusted(0.0, self.offsets, self.coefficients)
+
+    def reversed(self) -> Piecewise:
+        """The same function in reversed time, ``f(end - t)``, from time 0."""
+        mirrored = self.coefficients * matrices.signs(self.degree)[:, None, None]
+        return self._trusted(0.0, self.duration - self.offsets[::-1], mirrored[:, ::-1].copy())
+
+    def stretched(self, factor: float) -> Piecewise:
+        """The same values over a span longer by a factor: ``f(start + (t - start) / factor)``."""
+        return self._trusted(self.start, self.offsets * float(factor), self.coefficients)
 
     def __call__(self, t: ArrayLike) -> Array:
         """Values at times t: shape () gives (m,), shape (k,) gives (k, m); outside the span is an InputError."""
@@ -143,9 +258,10 @@ class Piecewise:
         if not inside.all():
             worst = flat[np.argmin(inside)]
             raise InputError(f"t = {worst:.9g} s is outside the span [{self.breaks[0]:.9g}, {self.breaks[-1]:.9g}] s")
-        piece = np.searchsorted(self.breaks[1:-1], flat, side="right") if len(self.breaks) > 2 else 0
-        left, right = self.breaks[piece], self.breaks[piece + 1]
-        x = (2 * flat - (left + right)) / (right - left)
+        since = np.minimum(flat - self.start, self.duration)
+        piece = np.searchsorted(self.offsets[1:-1], since, side="right") if len(self.offsets) > 2 else 0
+        left, right = self.offsets[piece], self.offsets[piece + 1]
+        x = (2 * since - (left + right)) / (right - left)
         values = _evaluated(matrices.basis_at(x, self.degree), self.coefficients, piece)
         return values.reshape(*times.shape, self.n_components)
 
@@ -155,28 +271,28 @@ class Piecewise:
         Meant for series of low degree: powers are ill conditioned beyond about 15.
         """
         powers = _apply(matrices.to_power_matrix(self.degree), self.coefficients)
-        lengths = np.diff(self.breaks) ** -np.arange(self.degree + 1.0)[:, None]
-        return np.moveaxis(powers * lengths[..., None], 0, 1)
+        scale = self.lengths ** -np.arange(self.degree + 1.0)[:, None]
+        return np.moveaxis(powers * scale[..., None], 0, 1)
 
     def derivative(self) -> Piecewise:
         """The derivative by time within the intervals; steps are left to `jumps`."""
-        scale = 2 / (self.breaks[1:] - self.breaks[:-1])[:, None]
-        return self._trusted(self.breaks, _apply(matrices.derivative_matrix(self.degree), self.coefficients) * scale)
+        scale = 2 / self.lengths[:, None]
+        return self._with(_apply(matrices.derivative_matrix(self.degree), self.coefficients) * scale)
 
     def with_derivatives(self, count: int) -> Piecewise:
         """The function and its first `count` derivatives by time, side by side as (count + 1) m components."""
         degree, n, m = self.degree, len(self.breaks) - 1, self.n_components
         series = matrices.state_matrix(degree, count) @ self.coefficients.reshape(degree + 1, -1)
-        scale = (2 / np.diff(self.breaks)) ** np.arange(count + 1)[:, None]
+        scale = (2 / self.lengths) ** np.arange(count + 1)[:, None]
         scaled = series.reshape(count + 1, degree + 1, n, m) * scale[:, None, :, None]
-        return self._trusted(self.breaks, scaled.transpose(1, 2, 0, 3).reshape(degree + 1, n, -1))
+        return self._with(scaled.transpose(1, 2, 0, 3).reshape(degree + 1, n, -1))
 
     def integral(self) -> Piecewise:
         """The continuous integral from the start of the span."""
-        scale = np.diff(self.breaks)[:, None] / 2
+        scale = self.lengths[:, None] / 2
         series = _apply(matrices.integral_matrix(self.degree), self.coefficients) * scale
         series[0, 1:] += np.cumsum(series.sum(axis=0), axis=0)[:-1]
-        return self._trusted(self.breaks, series)
+        return self._with(series)
 
     def inner(self, other: Piecewise) -> Array:
         """The integral of the product with `other` over the span, componentwise, shape (m,).
@@ -186,28 +302,59 @@ class Piecewise:
         f, g = _aligned(self, other)
         top = max(f.degree, g.degree)
         weighted = _apply(matrices.gram_matrix(top)[: f.degree + 1, : g.degree + 1], g.coefficients)
-        return np.asarray(np.einsum("dnm,dnm,n->m", f.coefficients, weighted, np.diff(f.breaks) / 2))
+        return np.asarray(np.einsum("dnm,dnm,n->m", f.coefficients, weighted, f.lengths / 2))
+
+    def rms(self) -> Array:
+        """Root mean square over the span, shape (m,)."""
+        return np.sqrt(self.inner(self) / self.duration)
 
     def extrema(self) -> Extrema:
         """Least and greatest finite values, one-sided values at steps included."""
-        low, high = find_extrema(self.breaks, self.coefficients)
-        return Extrema(min=low[0], t_min=low[1], max=high[0], t_max=high[1])
+        low, high = find_extrema(self.offsets, self.coefficients)
+        start = self.start
+        return Extrema(min=low[0], t_min=start + low[1], max=high[0], t_max=start + high[1])
 
-    def roots(self) -> tuple[Array, ...]:
+    def roots(self, *, noise: ArrayLike | None = None) -> tuple[Array, ...]:
         """Times inside the intervals at which each component changes sign, one sorted array per component.
 
         A zero without a change of sign (a double zero, rest) is none, and a change of sign across a break needs no
         root: it is at the break.
+
+        Parameters
+        ----------
+        noise : array_like, optional
+            Magnitudes that have no sign, one number, or of shape (m,) or (n, m); by default the rounding of each
+            interval's series.
         """
-        return find_sign_changes(self.breaks, self.coefficients)
+        if noise is not None:
+            noise = np.broadcast_to(np.asarray(noise, dtype=np.float64), self.coefficients.shape[1:])
+        found = find_sign_changes(self.offsets, self.coefficients, noise)
+        return found if self.start == 0 else tuple(self.start + times for times in found)
 
     def signs(self) -> Array:
-        """Sign of each component in the middle of each interval, shape (n, m); 0 where it is zero throughout.
+        """Sign of the integral of each component over each interval, shape (n, m); 0 where that is rounding.
 
-        It is the sign on the whole interval once the function has been split at its `roots`.
+        It is the sign on the whole interval once the function has been split at its `roots`, also where it touches
+        zero in the middle.
         """
-        middle = matrices.basis_at(np.zeros(()), self.degree) @ self.coefficients.reshape(self.degree + 1, -1)
-        return np.sign(middle).reshape(self.coefficients.shape[1:])
+        weights = matrices.gram_matrix(self.degree)[0]
+        total = np.tensordot(weights, self.coefficients, 1)
+        rounding = _NO_SIGN * np.abs(self.coefficients).sum(axis=0)
+        return np.asarray(np.sign(total) * (np.abs(total) > rounding))
+
+    def split_at_roots(self, *, noise: ArrayLike | None = None) -> Piecewise:
+        """The function with a break at every sign change of every component, so that `signs` holds throughout."""
+        return self._split_offsets([times - self.start for times in self.roots(noise=noise)])
+
+    def positive_spans(self) -> tuple[Array, Array]:
+        """Starts and ends of the stretches on which the only component is positive, s, each of shape (k,)."""
+        if self.n_components != 1:
+            raise InputError(f"positive_spans: one component is needed, the function has {self.n_components}")
+        split = self.split_at_roots()
+        positive = np.concatenate([[False], split.signs()[:, 0] > 0, [False]])
+        first = np.flatnonzero(positive[1:] & ~positive[:-1])
+        last = np.flatnonzero(positive[:-1] & ~positive[1:])
+        return split.breaks[first], split.breaks[last]
 
     def ends(self) -> tuple[Array, Array]:
         """Values at the left and right end of each interval, each of shape (n, m)."""
@@ -221,17 +368,22 @@ class Piecewise:
 
     def split(self, times: ArrayLike) -> Piecewise:
         """The same function with further breaks; times outside the span or at a break change nothing."""
-        breaks = _merged(self.breaks, checked_array("times", np.ravel(times), (None,), unit="s"))
-        if len(breaks) == len(self.breaks):
+        return self._split_offsets([checked_array("times", np.ravel(times), (None,), unit="s") - self.start])
+
+    def _split_offsets(self, offsets: Sequence[Array]) -> Piecewise:
+        """`split`, at times from the start."""
+        merged = _merged(self.offsets, np.concatenate(offsets))
+        if len(merged) == len(self.offsets):
             return self
-        parent = np.searchsorted(self.breaks[1:-1], (breaks[:-1] + breaks[1:]) / 2)
-        left, right = self.breaks[parent], self.breaks[parent + 1]
-        start, stop = (2 * (end - left) / (right - left) - 1 for end in (breaks[:-1], breaks[1:]))
+        parent = np.searchsorted(self.offsets[1:-1], (merged[:-1] + merged[1:]) / 2)
+        left, right = self.offsets[parent], self.offsets[parent + 1]
+        start, stop = (2 * (end - left) / (right - left) - 1 for end in (merged[:-1], merged[1:]))
         y = matrices.nodes(self.degree)
         x = start + (stop - start) * (y[:, None] + 1) / 2
         values = _evaluated(matrices.basis_at(x.T.ravel(), self.degree), self.coefficients, np.repeat(parent, len(y)))
         at_nodes = values.reshape(len(parent), len(y), -1).transpose(1, 0, 2)
-        return self._trusted(breaks, _apply(matrices.coefficients_from_values(self.degree), at_nodes))
+        series = _apply(matrices.coefficients_from_values(self.degree), at_nodes)
+        return self._trusted(self.start, merged, series)
 
     def __add__(self, other: Piecewise) -> Piecewise:
         if not isinstance(other, Piecewise):
@@ -241,7 +393,7 @@ class Piecewise:
             f, g = g, f
         total = f.coefficients.copy()
         total[: g.degree + 1] += g.coefficients
-        return self._trusted(f.breaks, total)
+        return f._with(total)
 
     def __sub__(self, other: Piecewise) -> Piecewise:
         return self + other * -1.0 if isinstance(other, Piecewise) else NotImplemented
@@ -250,12 +402,12 @@ class Piecewise:
         """The product, componentwise, with a function or with a constant of shape () or (m,)."""
         if not isinstance(other, Piecewise):
             factor = checked_array("factor", other, () if np.ndim(other) == 0 else (self.n_components,))
-            return self._trusted(self.breaks, self.coefficients * factor)
+            return self._with(self.coefficients * factor)
         f, g = _aligned(self, other)
         degree = f.degree + g.degree
         at_nodes = [_apply(matrices.values_matrix(h.degree, degree), h.coefficients) for h in (f, g)]
         product = _apply(matrices.coefficients_from_values(degree), at_nodes[0] * at_nodes[1])
-        return self._trusted(f.breaks, product)
+        return f._with(product)
 
     __rmul__ = __mul__
     # An array on the left leaves the product to us, instead of multiplying element by element.
@@ -293,28 +445,37 @@ def _apply(matrix: Array, coefficients: Array) -> Array:
     return result.reshape(len(matrix), *coefficients.shape[1:])
 
 
-def _merged(breaks: Array, times: Array) -> Array:
-    """Breaks with those times added that lie inside the span and are not a break already."""
-    same = _SAME_TIME * max(abs(breaks[0]), abs(breaks[-1]))
-    inside = np.unique(times[(times > breaks[0] + same) & (times < breaks[-1] - same)])
+def _merged(offsets: Array, times: Array) -> Array:
+    """Offsets with those times added that lie inside the span and are not a break already."""
+    same = _SAME_TIME * offsets[-1]
+    inside = np.unique(times[(times > same) & (times < offsets[-1] - same)])
     if not len(inside):
-        return breaks
-    nearest = np.searchsorted(breaks, inside)
-    new = (inside - breaks[nearest - 1] > same) & (breaks[nearest] - inside > same)
+        return offsets
+    nearest = np.searchsorted(offsets, inside)
+    new = (inside - offsets[nearest - 1] > same) & (offsets[nearest] - inside > same)
     new[1:] &= np.diff(inside) > same
-    return np.sort(np.concatenate([breaks, inside[new]]))
+    return np.sort(np.concatenate([offsets, inside[new]]))
+
+
+def _same_intervals(f: Piecewise, g: Piecewise) -> bool:
+    return f.start == g.start and np.array_equal(f.offsets, g.offsets)
+
+
+def _padded(f: Piecewise, degree: int) -> Array:
+    """Coefficients up to the given degree."""
+    return np.pad(f.coefficients, ((0, degree - f.degree), (0, 0), (0, 0)))
 
 
 def _aligned(f: Piecewise, g: Piecewise) -> tuple[Piecewise, Piecewise]:
     """Both functions on the union of their breaks."""
     if f.n_components != g.n_components:
         raise InputError(f"functions of {f.n_components} and {g.n_components} components cannot be combined")
-    if np.array_equal(f.breaks, g.breaks):
+    if _same_intervals(f, g):
         return f, g
-    if f.breaks[0] != g.breaks[0] or f.breaks[-1] != g.breaks[-1]:
+    if f.start != g.start or abs(f.duration - g.duration) > _SAME_TIME * f.duration:
         raise InputError(
             f"functions on [{f.breaks[0]:g}, {f.breaks[-1]:g}] s and [{g.breaks[0]:g}, {g.breaks[-1]:g}] s"
             " cannot be combined: their spans differ"
         )
-    f = f.split(g.breaks)
-    return f, Piecewise._trusted(f.breaks, g.split(f.breaks).coefficients)
+    f = f._split_offsets([g.offsets])
+    return f, f._with(g._split_offsets([f.offsets]).coefficients)

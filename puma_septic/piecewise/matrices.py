@@ -21,6 +21,7 @@ __all__ = [
     "from_power_matrix",
     "gram_matrix",
     "grid",
+    "grid_slopes",
     "integral_matrix",
     "nodes",
     "signs",
@@ -162,9 +163,13 @@ def to_power_matrix(degree: int) -> Array:
 
 @lru_cache(maxsize=256)
 def grid(degree: int) -> Array:
-    """Values, then slopes by x, of a series at `nodes` that over-sample it twofold, 64 cells or more.
+    """Values of a series at `nodes` that over-sample it fourfold, at least 32 cells, shape (points, degree + 1)."""
+    return values_matrix(degree, max(4 * degree, 32))
 
-    Shape (2 (points), degree + 1).
-    """
-    to_values = values_matrix(degree, max(2 * degree, 64))
-    return _shared(np.concatenate([to_values, to_values[:, : max(degree, 1)] @ derivative_matrix(degree)]))
+
+@lru_cache(maxsize=256)
+def grid_slopes(degree: int) -> Array:
+    """``k sin(k theta)``, the slopes of ``T_k`` by -theta at the points of `grid`, shape (points, degree + 1)."""
+    count, k = len(grid(degree)), np.arange(degree + 1.0)
+    theta = np.linspace(np.pi, 0.0, count)[:, None]
+    return _shared(k * np.sin(k * theta))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from inspect import signature
 from typing import Any, final
 
@@ -105,7 +105,9 @@ def resolve_task(task: Task) -> ResolvedTask:
     trajectories = []
     for k, choice in enumerate(task.profiles):
         with _named(task, f"profiles[{k}] ({choice.name})"):
-            trajectories.append(_trajectory(choice, branch, times, robot.joint_names))
+            made = _trajectory(choice, branch, times, robot.joint_names)
+            before, after = made.rest_before and task.rest_before, made.rest_after and task.rest_after
+            trajectories.append(replace(made, rest_before=before, rest_after=after))
     return ResolvedTask(
         task=task,
         robot=robot,

@@ -15,6 +15,7 @@ from pydantic import (
     ConfigDict,
     Discriminator,
     Field,
+    StrictBool,
     Tag,
     ValidationInfo,
     field_validator,
@@ -245,6 +246,8 @@ class Task(Section):
     payload, wrench, limits : section or None
     dwell : float
         s
+    rest_before, rest_after : bool
+        Whether the arm is at rest before and after the motion.
     """
 
     name: Text
@@ -259,6 +262,8 @@ class Task(Section):
     payload: PayloadSection | None = None
     wrench: WrenchSection | None = None
     dwell: NotNegative = 0.0
+    rest_before: StrictBool = True
+    rest_after: StrictBool = True
     limits: LimitsSection | None = None
 
     _origin: str = ""

@@ -14,7 +14,7 @@ from puma_septic.objectives import Candidate
 from puma_septic.piecewise import Extrema
 from puma_septic.robot import Robot
 
-__all__ = ["Excess", "excess_function"]
+__all__ = ["Excess", "checked_quantities", "excess_function"]
 
 Excess = Callable[[Candidate], Array]
 
@@ -39,10 +39,14 @@ def excess_function(
         if not (bound >= 0).all():
             raise InputError("max_overshoot must not be negative, in rad")
         checks.append(lambda candidate: _beyond_hull(candidate, bound))
-    quantities = (keep,) if isinstance(keep, str) else tuple(keep)
-    for quantity in quantities:
-        checks.append(_limit_check(robot, checked_choice("limit to keep", quantity, LIMITS)))
+    checks += [_limit_check(robot, quantity) for quantity in keep]
     return lambda candidate: np.concatenate([np.zeros(0), *(check(candidate) for check in checks)])
+
+
+def checked_quantities(keep: Sequence[str]) -> tuple[str, ...]:
+    """Names of limits; one name alone is meant as such."""
+    names = (keep,) if isinstance(keep, str) else tuple(keep)
+    return tuple(checked_choice("limit to keep", name, LIMITS) for name in names)
 
 
 def _beyond_hull(candidate: Candidate, bound: Array) -> Array:

@@ -15,6 +15,7 @@ from puma_septic.assessment.texts import plain
 from puma_septic.checks import Array, read_only
 from puma_septic.errors import InputError
 from puma_septic.objectives import Candidate, Objective, checked_objectives, non_dominated
+from puma_septic.optimisation._verdict import Verdict
 from puma_septic.optimisation.problems import (
     Progress,
     Setting,
@@ -23,7 +24,7 @@ from puma_septic.optimisation.problems import (
     checked_setting,
     random_starts,
 )
-from puma_septic.optimisation.searching import FEASIBLE, Found, search
+from puma_septic.optimisation.searching import KEPT, Found, search
 from puma_septic.optimisation.variables import MakeTrajectory
 from puma_septic.robot import Robot
 from puma_septic.tables import Cell, text_table
@@ -41,7 +42,7 @@ _SAME_PLACE: Final = 1e-3
 @final
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class ParetoFront:
-    """Motions of which none is beaten by another, from the best in the first objective on.
+    """Pareto-optimal motions, from the best in the first objective on.
 
     Attributes
     ----------
@@ -52,6 +53,8 @@ class ParetoFront:
     start : Trajectory
         With the given times.
     start_values : ndarray, shape (m,)
+    verdicts : tuple of Verdict
+        Each motion assessed in full; empty without a robot.
     n_evaluations : int
     """
 
@@ -60,6 +63,7 @@ class ParetoFront:
     values: Array
     start: Trajectory
     start_values: Array
+    verdicts: tuple[Verdict, ...]
     n_evaluations: int
 
     @property
@@ -71,7 +75,7 @@ class ParetoFront:
     def statement(self) -> str:
         """What was reached."""
         return (
-            f"{len(self.trajectories)} motions of which none beats another; each a local optimum of the weighted worst"
+            f"{len(self.trajectories)} Pareto-optimal motions; each a local optimum of the weighted worst"
             " objective (Chebyshev's scalarisation), begun at the best of a scan of the via times;"
             f" {self.n_evaluations} evaluations; no proof that none is missed"
         )
@@ -87,6 +91,7 @@ class ParetoFront:
                 {"times": plain(times), "values": plain(values)}
                 for times, values in zip(self.times, self.values, strict=True)
             ],
+            "limits": [verdict.to_dict() for verdict in self.verdicts] or None,
             "n_evaluations": self.n_evaluations,
             "statement": self.statement,
         }
@@ -101,8 +106,15 @@ class ParetoFront:
         rows: list[list[Cell]] = [
             [label, *(f"{t:.4f}" for t in motion.times[1:-1]), *map(float, values)] for label, motion, values in motions
         ]
+        limits = []
+        if self.verdicts:
+            headers.append("limits not held")
+            not_held = [", ".join(dict.fromkeys(check.quantity for check in one.violations)) for one in self.verdicts]
+            rows = [[*row, text] for row, text in zip(rows, ["", *(text or "none" for text in not_held)], strict=True)]
+            limits = [*wrap(f"Limits respected: {', '.join(self.verdicts[0].respected) or 'none'}.", 100), ""]
         head = f"{self.start.profile}: Pareto front over the via times"
-        return "\n".join([head, "", text_table(headers, rows), "", *wrap(f"Reached: {self.statement}.", 100)])
+        reached = wrap(f"Reached: {self.statement}.", 100)
+        return "\n".join([head, "", text_table(headers, rows), "", *limits, *reached])
 
 
 def pareto_front(
@@ -133,7 +145,7 @@ def pareto_front(
     objectives : sequence of str
         Two or three names in `puma_septic.objectives.OBJECTIVES`.
     size : int
-        About so many motions, at least 3; those that others beat are left out.
+        Number of searches along the front, at least 3; dominated ends are left out.
 
     Raises
     ------
@@ -176,12 +188,15 @@ def pareto_front(
             progress(k + 1, len(goals) + len(rays))
     best_kept(setting, found)
     chosen = _chosen(values[n_scanned:])
+    trajectories = tuple(setting.variables.trajectory(x) for x in tried[n_scanned:][chosen])
+    verdicts = (setting.verdict(trajectory) for trajectory in trajectories)
     return ParetoFront(
         objectives=goals,
-        trajectories=tuple(setting.variables.trajectory(x) for x in tried[n_scanned:][chosen]),
+        trajectories=trajectories,
         values=read_only(values[n_scanned:][chosen]),
         start=start,
         start_values=read_only(start_values),
+        verdicts=tuple(verdict for verdict in verdicts if verdict is not None),
         n_evaluations=n_scanned + sum(one.n_evaluations for one in found),
     )
 
@@ -216,7 +231,7 @@ def _values(setting: Setting, goals: Sequence[Objective], x: Array) -> Array:
         candidate = setting.candidate(x)
     except InputError:
         return np.full(len(goals), np.inf)
-    if setting.excess(candidate).max(initial=-np.inf) > FEASIBLE:
+    if setting.excess(candidate).max(initial=-np.inf) > KEPT:
         return np.full(len(goals), np.inf)
     return np.array([goal.value(candidate) for goal in goals])
 
@@ -230,7 +245,7 @@ def _frame(values: Array) -> tuple[Array, Array]:
 
 
 def _chosen(values: Array) -> NDArray[np.int64]:
-    """Rows that no other beats, each once, by the first objective."""
+    """Pareto-optimal rows, each once, by the first objective."""
     rows = np.flatnonzero(np.isfinite(values).all(axis=1))
     rows = rows[non_dominated(values[rows])]
     rows = rows[np.argsort(values[rows, 0], kind="stable")]

@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike
 from puma_septic.checks import Array, checked_number
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.objectives import Candidate, Objective
-from puma_septic.optimisation.constraints import Excess, excess_function
-from puma_septic.optimisation.searching import COARSE, FEASIBLE, FINE, Found, Problem, search
+from puma_septic.optimisation._verdict import Verdict, verdict_of
+from puma_septic.optimisation.constraints import Excess, checked_quantities, excess_function
+from puma_septic.optimisation.searching import COARSE, FINE, KEPT, Found, Problem, search
 from puma_septic.optimisation.structure import best_free_values
 from puma_septic.optimisation.variables import MakeTrajectory, Variables, checked_variables
 from puma_septic.robot import Robot
@@ -34,6 +35,7 @@ class Setting:
 
     variables: Variables
     excess: Excess
+    keep: tuple[str, ...]
     is_constrained: bool
     robot: Robot | None
     dwell: float
@@ -45,6 +47,10 @@ class Setting:
     def judged(self, trajectory: Trajectory) -> Candidate:
         """A trajectory with the robot that runs it."""
         return Candidate(trajectory=trajectory, robot=self.robot, dwell=self.dwell)
+
+    def verdict(self, trajectory: Trajectory) -> Verdict | None:
+        """What the robot's limits say to a trajectory; None without a robot."""
+        return verdict_of(self.judged(trajectory), self.keep)
 
     def bounded_value(self, objective: Objective, trajectory: Trajectory) -> float:
         """The objective's value.
@@ -126,10 +132,12 @@ def checked_setting(
     n_joints = variables.points.shape[1]
     if robot is not None and robot.n_joints != n_joints:
         raise InputError(f"points: {n_joints} joints, but robot {robot.name!r} has {robot.n_joints}")
+    quantities = checked_quantities(keep)
     return Setting(
         variables=variables,
-        excess=excess_function(robot, n_joints, max_overshoot=max_overshoot, keep=keep),
-        is_constrained=max_overshoot is not None or bool(keep),
+        excess=excess_function(robot, n_joints, max_overshoot=max_overshoot, keep=quantities),
+        keep=quantities,
+        is_constrained=max_overshoot is not None or bool(quantities),
         robot=robot,
         dwell=checked_number("dwell", dwell, unit="s", at_least=0.0),
     )
@@ -173,7 +181,7 @@ def search_from(problem: Problem, starts: Sequence[Array], progress: Progress | 
         if progress is not None:
             progress(k + 1, len(starts))
     nearest = min(found, key=lambda one: one.rank)
-    if nearest.excess > FEASIBLE:
+    if nearest.excess > KEPT:
         found.append(_towards_kept(problem, nearest))
     return found
 
@@ -187,7 +195,7 @@ def _towards_kept(problem: Problem, near: Found) -> Found:
 
 
 def best_kept(setting: Setting, found: Sequence[Found]) -> Found:
-    """The best of several searches.
+    """The best of several searches, its limits verified by a full assessment.
 
     Raises
     ------
@@ -195,11 +203,14 @@ def best_kept(setting: Setting, found: Sequence[Found]) -> Found:
         If none kept the constraints.
     """
     best = min(found, key=lambda one: one.rank)
-    if best.excess > FEASIBLE:
-        trajectory = setting.variables.trajectory(best.x)
+    trajectory = setting.variables.trajectory(best.x)
+    verdict = setting.verdict(trajectory)
+    failures = () if verdict is None else verdict.failures
+    if best.excess > KEPT or failures:
+        where = f" ({failures[0]})" if failures else ""
         raise NoSolution(
             f"no via times were found that keep the constraints: the least excess is {best.excess:.4g} (rad, or share"
-            f" of a limit) at times {np.round(trajectory.times, 4).tolist()} s, after {len(found)} searches",
+            f" of a limit){where} at times {np.round(trajectory.times, 4).tolist()} s, after {len(found)} searches",
             residual=best.excess,
             q=trajectory((trajectory.breaks[0] + trajectory.breaks[-1]) / 2),
         )

@@ -11,16 +11,21 @@ from scipy.optimize import minimize
 
 from puma_septic.checks import Array
 from puma_septic.errors import InputError
+from puma_septic.limit_check import AT_LIMIT
 
-__all__ = ["COARSE", "FEASIBLE", "FINE", "Found", "Problem", "search"]
+__all__ = ["COARSE", "FINE", "KEPT", "Found", "Problem", "search"]
 
 # Relative change of the value at which a search ends: for what follows from the trajectory alone, and for torque and
 # power, which are known to about 1e-9 and flat near their optimum.
 FINE: Final = 1e-9
 COARSE: Final = 1e-6
-# A constraint (in rad or as a share of its limit) is kept if it is exceeded by no more than this; the search aims to
-# stay inside by half of it, which is more than its own accuracy.
-FEASIBLE: Final = 1e-6
+# A constraint (in rad or as a share of its limit) is kept if it is exceeded by no more than this: half of what a
+# verdict tolerates, so that what is returned is at its limit there too.
+KEPT: Final = AT_LIMIT / 2
+# Sequential quadratic programming leaves its constraints by about its tolerance, so it aims to stay inside by this; by
+# more where it missed by less than the second number.
+_INSIDE: Final = 5e-7
+_NEAR: Final = 1e-4
 # Step of the central differences by the cube root of the tolerance, for variables of size one: 6e-6 for the fine one,
 # the cube root of a double's rounding.
 _STEP: Final = 6e-3
@@ -70,7 +75,7 @@ class Found:
     @property
     def rank(self) -> tuple[float, float]:
         """To be small: first the excess beyond what is tolerated, then the value."""
-        return max(0.0, self.excess - FEASIBLE), self.value
+        return max(0.0, self.excess - KEPT), self.value
 
 
 def search(problem: Problem, start: Array) -> Found:
@@ -82,12 +87,16 @@ def search(problem: Problem, start: Array) -> Found:
     """
     memory = _Memory(problem, start)
     best = memory.found(start)
+    inside = _INSIDE
     for _ in range(_ROUNDS):
-        found = memory.found(_quadratic(memory, best.x))
+        found = memory.found(_quadratic(memory, best.x, inside))
+        missed = KEPT < found.excess < _NEAR
         gain = best.value - found.value
         better = found.rank < best.rank
         best = min(best, found, key=lambda one: one.rank)
-        if not better or gain < _WORTH * abs(best.value):
+        if missed:
+            inside += 2 * found.excess
+        elif not better or gain < _WORTH * abs(best.value):
             break
     if memory.n_parts > 1 and len(start) <= _SIMPLEX_LIMIT:
         best = min(best, memory.found(_simplex(memory, best.x)), key=lambda one: one.rank)
@@ -143,7 +152,7 @@ def _fitted(values: Array, count: int) -> Array:
     return values if len(values) == count else np.full(count, values.max(initial=-np.inf))
 
 
-def _quadratic(memory: _Memory, start: Array) -> Array:
+def _quadratic(memory: _Memory, start: Array, inside: float) -> Array:
     """Sequential quadratic programming; the variables are x and, for several parts, their bound z."""
     n, many, scale = len(start), memory.n_parts > 1, memory.scale
     excess_at_start = memory(start)[1]
@@ -157,7 +166,7 @@ def _quadratic(memory: _Memory, start: Array) -> Array:
     if len(excess_at_start):
         constraints.append({
             "type": "ineq",
-            "fun": lambda y: -FEASIBLE / 2 - memory(y[:n])[1],
+            "fun": lambda y: -inside - memory(y[:n])[1],
             "jac": lambda y: _with_bound(-memory.slopes(y[:n])[1], 0.0) if many else -memory.slopes(y)[1],
         })  # fmt: skip
     value = float(memory(start)[0].max()) / scale
@@ -184,7 +193,7 @@ def _with_bound(slopes: Array, by_z: float) -> Array:
 def _simplex(memory: _Memory, start: Array) -> Array:
     def merit(x: Array) -> float:
         parts, excess = memory(x)
-        too_much = float(excess.max(initial=-np.inf)) - FEASIBLE
+        too_much = float(excess.max(initial=-np.inf)) - KEPT
         return float(parts.max()) / memory.scale if too_much <= 0 else _REFUSED * (1 + too_much)
 
     result = minimize(

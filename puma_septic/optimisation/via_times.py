@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from puma_septic.assessment.texts import plain
 from puma_septic.checks import Array
 from puma_septic.objectives import Objective, checked_objectives
+from puma_septic.optimisation._verdict import Verdict
 from puma_septic.optimisation.problems import (
     Progress,
     Setting,
@@ -23,7 +24,7 @@ from puma_septic.optimisation.problems import (
     random_starts,
     search_from,
 )
-from puma_septic.optimisation.searching import COARSE, FEASIBLE, FINE
+from puma_septic.optimisation.searching import COARSE, FINE, KEPT
 from puma_septic.optimisation.structure import SQUARES, best_free_values, gradient_by_times
 from puma_septic.optimisation.variables import MakeTrajectory
 from puma_septic.robot import Robot
@@ -48,7 +49,7 @@ class OptimisedTimes:
     objective : Objective
     value, start_value : float
     ends : tuple of float
-        Value at the end of each search; infinite where it kept a constraint broken. The first began with the
+        Value at the end of each search; infinite where a constraint stayed violated. The first began with the
         given times.
     n_evaluations : int
         Trajectories made and judged.
@@ -56,6 +57,8 @@ class OptimisedTimes:
         Via velocities, accelerations or free knots, where they were free.
     has_gradient : bool
         Whether the gradient came from the family's structure rather than from differences.
+    verdict : Verdict or None
+        The motion found, assessed in full: limits respected, not held, not assessed; None without a robot.
     """
 
     trajectory: Trajectory
@@ -67,6 +70,7 @@ class OptimisedTimes:
     n_evaluations: int
     free_values: Mapping[str, Array]
     has_gradient: bool
+    verdict: Verdict | None
 
     @property
     def times(self) -> Array:
@@ -80,15 +84,18 @@ class OptimisedTimes:
 
     @property
     def statement(self) -> str:
-        """What was reached, and how sure it is."""
+        """What was reached, how sure it is, and what the limits say to it."""
+        return self._reached if self.verdict is None else f"{self._reached}; {self.verdict.statement}"
+
+    @property
+    def _reached(self) -> str:
         same = sum(end <= self.value + _SAME_OPTIMUM * abs(self.value) for end in self.ends)
         tolerance = COARSE if self.objective.needs_robot else FINE
         slopes = "the gradient from the family's structure" if self.has_gradient else "central differences"
         return (
             f"a local optimum, the best of {len(self.ends)} searches, {same} of which ended here (to"
             f" {_SAME_OPTIMUM:g} of the value); no proof that none is better; SLSQP with {slopes}, simplex where the"
-            f" objective has kinks, relative tolerance {tolerance:g}, constraints kept to {FEASIBLE:g},"
-            f" {self.n_evaluations} evaluations"
+            f" objective has kinks, relative tolerance {tolerance:g}, {self.n_evaluations} evaluations"
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -103,6 +110,7 @@ class OptimisedTimes:
             "free_values": {name: plain(values) for name, values in self.free_values.items()},
             "ends": plain(self.ends),
             "n_evaluations": self.n_evaluations,
+            "limits": None if self.verdict is None else self.verdict.to_dict(),
             "statement": self.statement,
         }
 
@@ -112,8 +120,11 @@ class OptimisedTimes:
             ["start", *(f"{t:.4f}" for t in self.start.times), self.start_value],
             ["optimum", *(f"{t:.4f}" for t in self.times), self.value],
         ]
-        head = f"{self.start.profile}, {self.objective.name}: {100 * self.improvement:.1f} % lower"
-        return "\n".join([head, "", text_table(headers, rows), "", *wrap(f"Reached: {self.statement}.", 100)])
+        change = f"{100 * abs(self.improvement):.1f} % {'lower' if self.improvement >= 0 else 'higher'}"
+        head = f"{self.start.profile}, {self.objective.name}: {change}"
+        limits = [] if self.verdict is None else [*self.verdict.sentence, ""]
+        reached = wrap(f"Reached: {self._reached}.", 100)
+        return "\n".join([head, "", text_table(headers, rows), "", *limits, *reached])
 
 
 def optimise_via_times(
@@ -149,15 +160,16 @@ def optimise_via_times(
         Arguments of `make` to be chosen as well: "velocities", "accelerations" at the vias, "free_knots". For an
         integral of squares without constraints the best velocities and accelerations follow from a linear system.
     max_overshoot : array_like, shape () or (n_joints,), optional
-        Largest excess beyond the hull of the points, rad. Torque alone is cheated by folding the arm.
+        Largest excess beyond the hull of the points, rad. Minimising torque alone rewards folding the arm.
     keep : sequence of str
-        Limits of the robot to keep: "position", "velocity", "acceleration", "jerk", "effort".
+        Limits of the robot to respect: "position", "velocity", "acceleration", "jerk", "effort". What is returned keeps
+        them by a full assessment; the others are assessed too, and named where they are not held.
     dwell : float
         Rest after the motion, in the root mean squares, s.
     restarts : int
-        Searches from random times, beside the one from the given times.
+        Searches from random times, in addition to the one from the given times.
     seed : int
-        Of those; the same seed gives the same result.
+        Of the random times; the same seed gives the same result.
     progress : callable, optional
         Called with the number of searches done and of all.
 
@@ -196,10 +208,11 @@ def optimise_via_times(
         objective=goal,
         value=goal.value(setting.judged(trajectory)),
         start_value=start_value,
-        ends=tuple(one.value if one.excess <= FEASIBLE else np.inf for one in found),
+        ends=tuple(one.value if one.excess <= KEPT else np.inf for one in found),
         n_evaluations=sum(one.n_evaluations for one in found),
         free_values=_free_values(setting, searched, best.x, goal),
         has_gradient=gradient is not None,
+        verdict=setting.verdict(trajectory),
     )
 
 

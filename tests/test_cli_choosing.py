@@ -11,8 +11,8 @@ from puma_septic.cli import main
 from puma_septic.profiles import available
 
 
-def printed(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
-    assert main(arguments) == 0
+def printed(arguments: list[str], capsys: pytest.CaptureFixture[str], code: int = 0) -> str:
+    assert main(arguments) == code
     out, err = capsys.readouterr()
     assert err == ""
     return out
@@ -50,8 +50,16 @@ def test_compare_writes_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[s
 
 
 def test_optimise_finds_the_papers_via_times(capsys: pytest.CaptureFixture[str]) -> None:
-    text = printed(["optimise", "--objective", "peak_jerk", "--restarts", "0"], capsys)
+    """Exit code 1: the paper's own points are beyond a position limit, whatever the via times."""
+    text = printed(["optimise", "--objective", "peak_jerk", "--restarts", "0"], capsys, code=1)
     assert "septic, peak_jerk: 60.8 % lower" in text
+    assert "not held: position (joint5 0.2441 rad beyond its bound" in " ".join(text.split())
+
+
+def test_optimise_respects_limits_and_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["optimise", "paper-turned", "--objective", "peak_velocity", "--restarts", "0"]
+    kept = [*arguments, "--respect", "velocity", "--respect", "effort", "--respect", "position"]
+    assert "Limits respected: position, velocity, effort; not assessed:" in printed(kept, capsys)
 
 
 def test_optimise_takes_another_profile_with_what_it_leaves_free(capsys: pytest.CaptureFixture[str]) -> None:
@@ -66,8 +74,9 @@ def test_optimise_takes_another_profile_with_what_it_leaves_free(capsys: pytest.
         "--restarts",
         "0",
     ]
-    document = json.loads(printed([*arguments, "--format", "json"], capsys))
+    document = json.loads(printed([*arguments, "--format", "json"], capsys, code=1))
     assert len(document["free_values"]["velocities"]) == 4
+    assert document["limits"]["not_held"]
     assert document["improvement"] > 0.9
 
 
@@ -84,7 +93,7 @@ def test_optimise_two_objectives_gives_a_front(tmp_path: Path, capsys: pytest.Ca
         "--out",
         str(target),
     ]
-    assert "Pareto front over the via times" in printed(arguments, capsys)
+    assert "Pareto front over the via times" in printed(arguments, capsys, code=1)
     assert sorted(path.name for path in target.iterdir()) == ["front.png", "front.svg", "optimisation.json"]
 
 
@@ -95,9 +104,57 @@ def test_optimise_duration_gives_the_least_time(capsys: pytest.CaptureFixture[st
     assert "feasible by exact extrema: yes" in " ".join(text.split())
 
 
+# A first user's job: 2.5 kg or 5 kg at the flange, four points in joint space, or the first and last of another two.
+HEAVY = """name: heavy
+robot: {source: puma560, tool: flange}
+points:
+  - {joints: [0.0, 0.6, -2.2, 0.0, 0.3, 0.0]}
+  - {joints: [0.4, 1.2, -2.6, 0.0, 0.6, 0.0]}
+  - {joints: [1.5, 1.2, -2.6, 0.0, 0.6, 0.0]}
+  - {joints: [1.9, 0.6, -2.2, 0.0, 0.3, 0.0]}
+times: [0, 0.9, 2.1, 3.0]
+profiles: [septic]
+payload: {mass: 2.5, com: [0,0,0.1]}
+"""
+
+
+@pytest.fixture
+def heavy(tmp_path: Path) -> Path:
+    path = tmp_path / "heavy.yaml"
+    path.write_text(HEAVY)
+    return path
+
+
+def test_least_time_holds_effort(heavy: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """'feasible: yes' and exit 0 once came with joint 2 at 109.7 % of its torque."""
+    arguments = ["optimise", str(heavy), "--objective", "duration", "--restarts", "0"]
+    text = " ".join(printed(arguments, capsys).split())
+    assert "Limits respected: position, velocity, effort" in text
+    assert "feasible by exact extrema: yes" in text
+    text = " ".join(printed([*arguments, "--respect", "velocity"], capsys, code=1).split())
+    assert "not held: effort (joint2 at 109.7 %)" in text
+    assert "feasible by exact extrema: no" in text
+
+
+def test_least_time_that_weight_rules_out_says_why(heavy: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    heavy.write_text(HEAVY.replace("mass: 2.5", "mass: 5.0"))
+    arguments = ["optimise", str(heavy), "--profile", "quintic", "--objective", "duration", "--restarts", "0"]
+    assert main(arguments) == 2
+    assert "no duration keeps the effort limit of joint 'joint2'" in capsys.readouterr().err
+    text = " ".join(printed([*arguments, "--respect", "velocity"], capsys, code=1).split())
+    assert "not held: effort (joint2 at 154.6 %, joint5 at 118.3 %" in text
+
+
+def test_least_time_of_two_points(heavy: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    lines = HEAVY.splitlines(keepends=True)
+    heavy.write_text("".join(lines[:5] + lines[7:]).replace("0, 0.9, 2.1, 3.0", "0, 1").replace("septic", "quintic"))
+    arguments = ["optimise", str(heavy), "--objective", "duration", "--out", str(tmp_path / "out")]
+    assert "feasible by exact extrema: yes" in " ".join(printed(arguments, capsys).split())
+
+
 def test_optimise_lspb_passes_durations(capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["optimise", "--profile", "lspb", "--objective", "peak_acceleration", "--restarts", "0"]
-    assert "lspb, peak_acceleration" in printed(arguments, capsys)
+    assert "lspb, peak_acceleration" in printed(arguments, capsys, code=1)
 
 
 @pytest.mark.parametrize(
@@ -109,8 +166,9 @@ def test_optimise_lspb_passes_durations(capsys: pytest.CaptureFixture[str]) -> N
         (["optimise", "--objective", "jerk"], "unknown objective 'jerk'; valid:"),
         (["optimise", "--profile", "septic", "--profile", "lspb"], "one profile is optimised at a time"),
         (["optimise", "--profile", "cubic", "--objective", "peak_jerk"], "unbounded for profile cubic"),
-        (["optimise", "--objective", "duration", "--keep", "velocity"], "do not go with --objective duration"),
-        (["optimise", "--keep", "position", "--restarts", "0"], "no via times were found that keep the constraints"),
+        (["optimise", "--respect", "position", "--restarts", "0"], "no via times were found that keep the constraints"),
+        (["optimise", "--respect", "torque"], "unknown limit to keep 'torque'; valid: 'position'"),
+        (["optimise", "--objective", "duration", "--restarts", "0"], "joint5 position -1.989 rad at t = 0 s is 0.2441"),
         (["optimise", "--free", "velocities"], "septic has no free velocities"),
         (["optimise", "--max-overshoot", "nan"], "max_overshoot = nan rad is not a finite number"),
         (["profiles", "--format", "csv"], "invalid choice: 'csv'"),

@@ -8,14 +8,15 @@ __all__ = ["COMPARE", "OPTIMISE", "PROFILES", "add_compare", "add_optimise", "ad
 
 COMPARE = """Compare all suitable profiles on the points and times of a task (the paper's by default).
 
-Each is measured exactly; those that no other beats in the named objectives are marked. Exit code: 0 compared,
+Each is assessed exactly; Pareto-optimal profiles in the named objectives are marked. Exit code: 0 compared,
 2 bad input."""
 
 OPTIMISE = """Choose the via times of a task (the paper's by default) for its total time.
 
-One objective is made least; two or three are traded against each other, and the motions of which none beats another are
-listed. The objective 'duration' asks for the least total time under the robot's limits of velocity, acceleration and
-jerk. Exit code: 0 done, 2 bad input or no motion keeps the constraints."""
+Minimises one objective, or computes the Pareto front of two or three. The objective 'duration' chooses the total time
+as well: the least within all known limits of the robot, or within those named by --respect. What is found is assessed
+in full, and limits that are not held are named. Exit code: 0 every motion shown keeps all known limits, 1 one of them
+violates a limit, 2 bad input or no motion keeps the limits to respect."""
 
 PROFILES = """List the profiles: what each needs, how smooth it is, what it does at the vias."""
 
@@ -29,11 +30,11 @@ def add_compare(parser: ArgumentParser) -> None:
         "--objective",
         action="append",
         metavar="NAME",
-        help="mark those that none beats in these (repeatable; by default integral_of_squared_jerk, overshoot,"
-        " via_miss)",
+        help="mark the Pareto-optimal profiles in these objectives (repeatable; default: integral_of_squared_jerk,"
+        " overshoot, via_miss)",
     )
-    parser.add_argument("--dwell", type=float, metavar="S", help="rest after the motion, in the RMS values")
-    parser.add_argument("--format", choices=("text", "json", "csv"), default="text", help="of what is printed")
+    parser.add_argument("--dwell", type=float, metavar="S", help="rest after the motion, included in RMS values")
+    parser.add_argument("--format", choices=("text", "json", "csv"), default="text", help="output format")
     parser.add_argument(
         "--out", metavar="DIR", help="write JSON, CSV and a figure into a new folder; nothing is overwritten"
     )
@@ -42,38 +43,42 @@ def add_compare(parser: ArgumentParser) -> None:
 def add_optimise(parser: ArgumentParser) -> None:
     """Beside the task: what is to be chosen, for what, within what."""
     parser.add_argument(
-        "--profile", action="append", metavar="NAME", help="this profile instead of the task's first (once)"
+        "--profile", action="append", metavar="NAME", help="use this profile instead of the task's first"
     )
     parser.add_argument(
         "--objective",
         action="append",
         metavar="NAME",
-        help="what is to be least (integral_of_squared_jerk by default); two or three for a front, 'duration' for the"
-        " least time",
+        help="objective to minimise (default: integral_of_squared_jerk); two or three for a Pareto front, 'duration'"
+        " for the least time",
     )
     parser.add_argument(
         "--free",
         action="append",
         default=[],
         metavar="NAME",
-        help="chosen as well, where the profile has them: velocities, accelerations (at the vias), free_knots"
+        help="optimise these parameters of the profile too: velocities, accelerations (at the vias), free_knots"
         " (repeatable)",
     )
     parser.add_argument(
-        "--max-overshoot", type=float, metavar="RAD", help="largest excess of any joint beyond the points"
+        "--max-overshoot",
+        type=float,
+        metavar="RAD",
+        help="maximum excess of any joint beyond the points (m if prismatic)",
     )
     parser.add_argument(
-        "--keep",
+        "--respect",
         action="append",
         default=[],
         metavar="QUANTITY",
-        help="limits of the robot to keep: position, velocity, acceleration, jerk, effort (repeatable)",
+        help="robot limits that the motion must keep: position, velocity, acceleration, jerk, effort (repeatable;"
+        " default: none, for 'duration' all that are known)",
     )
-    parser.add_argument("--dwell", type=float, metavar="S", help="rest after the motion, in the RMS values")
-    parser.add_argument("--restarts", type=int, default=4, metavar="N", help="searches from random times (4)")
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of those (0)")
-    parser.add_argument("--size", type=int, default=12, metavar="N", help="motions on a front (12)")
-    parser.add_argument("--format", choices=("text", "json"), default="text", help="of what is printed")
+    parser.add_argument("--dwell", type=float, metavar="S", help="rest after the motion, included in RMS values")
+    parser.add_argument("--restarts", type=int, default=4, metavar="N", help="random restarts (default: 4)")
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="random seed (default: 0)")
+    parser.add_argument("--size", type=int, default=12, metavar="N", help="number of Pareto-front points (default: 12)")
+    parser.add_argument("--format", choices=("text", "json"), default="text", help="output format")
     parser.add_argument("--out", metavar="DIR", help="write JSON and figures into a new folder; nothing is overwritten")
 
 
@@ -82,4 +87,4 @@ def add_profiles(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--normalised", action="store_true", help="also the coefficients of one unit of movement in one unit of time"
     )
-    parser.add_argument("--format", choices=("text", "json"), default="text", help="of what is printed")
+    parser.add_argument("--format", choices=("text", "json"), default="text", help="output format")

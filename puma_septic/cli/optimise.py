@@ -51,36 +51,36 @@ def run(arguments: Namespace) -> Answer:
             if isinstance(result, ParetoFront):
                 figures.save_figure(plots.plot_pareto_front(result), folder / "front")
             else:
-                both = [result.start, result.trajectory]
-                figure = plots.plot_trajectory(both, labels=["start", "optimum"])
+                shown = {"start": result.start, "optimum": result.trajectory}
+                shown = {label: one for label, one in shown.items() if one is not None}
+                figure = plots.plot_trajectory([*shown.values()], labels=[*shown])
                 figures.save_figure(figure, folder / "optimum")
-    return Answer(document if arguments.format == "json" else f"Task {task.name!r}\n{result}", 0)
+    text = document if arguments.format == "json" else f"Task {task.name!r}\n{result}"
+    return Answer(text, 0 if _is_feasible(result) else 1)
+
+
+def _is_feasible(result: Result) -> bool:
+    """Whether all motions found keep all known limits."""
+    if isinstance(result, LeastTime):
+        return result.is_feasible
+    verdicts = result.verdicts if isinstance(result, ParetoFront) else (result.verdict,)
+    return all(verdict is None or verdict.is_feasible for verdict in verdicts)
 
 
 def _optimised(resolved: ResolvedTask, arguments: Namespace, progress: Any) -> Result:
     objectives = arguments.objective or ["integral_of_squared_jerk"]
     make = _make(resolved.task)
-    common = {"free": arguments.free, "seed": arguments.seed, "progress": progress}
-    if objectives == ["duration"]:
-        if arguments.keep or arguments.max_overshoot is not None:
-            raise InputError("--keep and --max-overshoot do not go with --objective duration, which keeps all limits")
-        limits = resolved.robot.limits
-        return least_time(
-            make,
-            resolved.points,
-            resolved.times,
-            max_velocity=limits.velocity,
-            max_acceleration=limits.acceleration,
-            max_jerk=limits.jerk,
-            restarts=arguments.restarts,
-            **common,
-        )
-    common |= {
+    common = {
         "robot": resolved.robot,
         "max_overshoot": arguments.max_overshoot,
-        "keep": arguments.keep,
-        "dwell": resolved.task.dwell,
+        "free": arguments.free,
+        "seed": arguments.seed,
+        "progress": progress,
     }
+    if objectives == ["duration"]:
+        keep = arguments.respect or None
+        return least_time(make, resolved.points, resolved.times, keep=keep, restarts=arguments.restarts, **common)
+    common |= {"keep": arguments.respect, "dwell": resolved.task.dwell}
     if len(objectives) > 1:
         return pareto_front(make, resolved.points, resolved.times, objectives=objectives, size=arguments.size, **common)
     return optimise_via_times(

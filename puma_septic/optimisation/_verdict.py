@@ -7,8 +7,11 @@ from dataclasses import dataclass
 from textwrap import wrap
 from typing import Any, final
 
+import numpy as np
+
 from puma_septic.assessment import LimitCheck
 from puma_septic.assessment.checks import QUANTITIES, limit_checks, unknown_values
+from puma_septic.checks import Array
 from puma_septic.objectives import Candidate
 from puma_septic.robot import Robot
 
@@ -31,11 +34,13 @@ class Verdict:
         Every known limit, respected or not.
     not_assessed : tuple of str
         Limits that are not known, with the joints concerned.
+    joint_names : tuple of str
     """
 
     respected: tuple[str, ...]
     checks: tuple[LimitCheck, ...]
     not_assessed: tuple[str, ...]
+    joint_names: tuple[str, ...]
 
     @property
     def violations(self) -> tuple[LimitCheck, ...]:
@@ -60,6 +65,11 @@ class Verdict:
             f"{quantity} ({', '.join(_use(c) for c in self.violations if c.quantity == quantity)})"
             for quantity in dict.fromkeys(check.quantity for check in self.violations)
         )
+
+    def used(self, quantity: str) -> Array:
+        """Utilisation of the limits of a quantity, shape (n_joints,); NaN where there is none."""
+        use = {check.joint: check.utilisation for check in self.checks if check.quantity == quantity}
+        return np.array([use.get(name, np.nan) for name in self.joint_names])
 
     @property
     def statement(self) -> str:
@@ -100,13 +110,16 @@ def verdict_of(candidate: Candidate, respected: Iterable[str]) -> Verdict | None
         respected=tuple(name for name in QUANTITIES if name in set(respected)),
         checks=checks,
         not_assessed=tuple(missing),
+        joint_names=robot.joint_names,
     )
 
 
-def known_quantities(robot: Robot) -> tuple[str, ...]:
+def known_quantities(robot: Robot | None) -> tuple[str, ...]:
     """Quantities of which the robot has a limit for some joint; effort only where its torque can be computed."""
+    if robot is None:
+        return ()
     limits = robot.limits
-    known = [name for name in QUANTITIES if not (getattr(limits, name) != getattr(limits, name)).all()]
+    known = [name for name in QUANTITIES if not np.isnan(getattr(limits, name)).all()]
     return tuple(name for name in known if name != "effort" or not robot.missing_inertia)
 
 

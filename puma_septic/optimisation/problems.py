@@ -126,9 +126,10 @@ def checked_setting(
     max_overshoot: ArrayLike | None,
     keep: Sequence[str],
     dwell: float,
+    least: int = 3,
 ) -> Setting:
-    """The setting of these arguments; see `optimise_via_times` for their meaning and errors."""
-    variables = checked_variables(make, points, times, free)
+    """The setting of these arguments, with at least so many points; see `optimise_via_times` for the others."""
+    variables = checked_variables(make, points, times, free, least=least)
     n_joints = variables.points.shape[1]
     if robot is not None and robot.n_joints != n_joints:
         raise InputError(f"points: {n_joints} joints, but robot {robot.name!r} has {robot.n_joints}")

@@ -87,6 +87,8 @@ def search(problem: Problem, start: Array) -> Found:
     """
     memory = _Memory(problem, start)
     best = memory.found(start)
+    if not len(start):
+        return best
     inside = _INSIDE
     for _ in range(_ROUNDS):
         found = memory.found(_quadratic(memory, best.x, inside))

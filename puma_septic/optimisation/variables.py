@@ -146,18 +146,23 @@ class Variables:
         return np.asarray(self.least + (1 - n * self.least) * weights / weights.sum())
 
 
-def checked_variables(make: MakeTrajectory, points: ArrayLike, times: ArrayLike, free: Sequence[str]) -> Variables:
+def checked_variables(
+    make: MakeTrajectory, points: ArrayLike, times: ArrayLike, free: Sequence[str], *, least: int = 3
+) -> Variables:
     """The variables of a task; a single time is the total one, and segments then take what their longest way needs.
 
     Raises
     ------
     InputError
-        For fewer than three points, times that do not increase, a profile that is not made from points and times alone,
-        or a free quantity that it does not have.
+        For fewer than the least number of points, times that do not increase, a profile that is not made from points
+        and times alone, or a free quantity that it does not have.
     """
     vias = checked_array("points", points, (None, None), unit="rad")
-    if len(vias) < 3:
-        raise InputError(f"without a via between start and end there are no via times: got {len(vias)} points")
+    if len(vias) < least:
+        reason = (
+            "without a via between start and end there are no via times" if least == 3 else "a motion needs two points"
+        )
+        raise InputError(f"{reason}: got {len(vias)} points")
     start = checked_times("times", _default_times(vias, times) if np.ndim(times) == 0 else times, len(vias))
     names = (free,) if isinstance(free, str) else tuple(free)
     label = getattr(make, "__name__", "this profile")

@@ -266,7 +266,7 @@ def _raced(
     """The quickest motion, the least time at the end of each search, and the number of evaluations.
 
     Where the least time by velocity, acceleration and jerk keeps the effort limits as well, nothing is quicker; else
-    the search begins anew, with the duration as a variable.
+    the search begins anew, with the duration as a variable, from the timings that keep all limits at some duration.
     """
     count = 0
     if not np.isnan(race.limits).all():
@@ -276,6 +276,7 @@ def _raced(
             ends = tuple(one.value if one.excess <= KEPT else np.inf for one in found)
             return race.quickest(best.x), ends, count
         starts = [best.x, *starts]
+    starts = [x for x in starts if np.isfinite(race.least(x))] or starts[:1]
     problem, begin = race.with_torque(starts[0])
     found = search_from(problem, [begin(x) for x in starts], progress)
     tried = [*(one.x[:-1] for one in found), *starts]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from arms import pendulum
+from arms import DRIVE, pendulum
 
 import puma_septic as ps
 from puma_septic import profiles
@@ -109,6 +109,15 @@ def test_a_window_that_closes_is_no_solution(raised: tuple[ps.Robot, Array]) -> 
     arm, points = raised
     with pytest.raises(ps.NoSolution, match=r"'swing': .* take 9.81 N m at 59.1 % of it; the limit is 9 N m"):
         ps.least_time(profiles.quintic, points, 1.0, robot=only_effort(arm, 9.0))
+
+
+def test_a_dwell_must_be_held_too(tmp_path: Path) -> None:
+    """Friction of 3 N m helps on the way down; at rest at 50 degrees the weight takes 9.81 sin 50 = 7.515 N m alone."""
+    drive = DRIVE.format(name="swing", ratio=1.0, rotor=0.0, viscous=0.0, positive=3.0, negative=-3.0)
+    robot, points = only_effort(pendulum(tmp_path, drives=drive), 7.0), np.deg2rad([[60.0], [50.0]])
+    assert ps.least_time(profiles.quintic, points, 1.0, robot=robot).is_feasible
+    with pytest.raises(ps.NoSolution, match=r"swing effort 7\.515 N m at .* of 7 N m"):
+        ps.least_time(profiles.quintic, points, 1.0, robot=robot, dwell=1.0)
 
 
 def test_two_points_have_one_duration(puma: ps.Robot) -> None:

@@ -72,6 +72,7 @@ def _optimised(resolved: ResolvedTask, arguments: Namespace, progress: Any) -> R
     make = _make(resolved.task)
     common = {
         "robot": resolved.robot,
+        "dwell": resolved.task.dwell,
         "max_overshoot": arguments.max_overshoot,
         "free": arguments.free,
         "seed": arguments.seed,
@@ -80,7 +81,7 @@ def _optimised(resolved: ResolvedTask, arguments: Namespace, progress: Any) -> R
     if objectives == ["duration"]:
         keep = arguments.respect or None
         return least_time(make, resolved.points, resolved.times, keep=keep, restarts=arguments.restarts, **common)
-    common |= {"keep": arguments.respect, "dwell": resolved.task.dwell}
+    common |= {"keep": arguments.respect}
     if len(objectives) > 1:
         return pareto_front(make, resolved.points, resolved.times, objectives=objectives, size=arguments.size, **common)
     return optimise_via_times(

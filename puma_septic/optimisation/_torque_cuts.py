@@ -17,12 +17,11 @@ from typing import Final, final
 import numpy as np
 
 from puma_septic.checks import Array
-from puma_septic.dynamics import smooth_torque
+from puma_septic.dynamics import coulomb_torque, smooth_torque
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.motion import Motion
 from puma_septic.objectives import Candidate
 from puma_septic.optimisation.searching import KEPT
-from puma_septic.piecewise import Piecewise
 
 __all__ = ["TorqueCuts", "least_duration", "torque_cuts"]
 
@@ -89,7 +88,7 @@ def torque_cuts(motion: Motion) -> TorqueCuts:
     """Cuts at the ends of each interval, at instants inside, and at each joint's peaks."""
     robot, torque, n = motion.robot, motion.torque, motion.robot.n_joints
     state, breaks = motion.trajectory.state, torque.breaks
-    left, right = state.split(breaks).ends()
+    left, right = state.aligned_with(torque).ends()
     reach = torque.extrema()
     times = np.outer(1 - _INSIDE, breaks[:-1]) + np.outer(_INSIDE, breaks[1:])
     inside = np.concatenate([times.ravel(), reach.t_min, reach.t_max])
@@ -104,17 +103,13 @@ def torque_cuts(motion: Motion) -> TorqueCuts:
     return TorqueCuts(
         a=inertial * duration**2 / limit,
         b=viscous * duration / limit,
-        d=(weight + _steps(motion)[piece]) / limit,
+        d=(weight + _coulomb(motion)[piece]) / limit,
     )
 
 
-def _steps(motion: Motion) -> Array:
-    """Coulomb friction on each interval of the torque, shape (n_intervals, n_joints): what is not smooth."""
-    n, breaks = motion.robot.n_joints, motion.torque.breaks
-    middle = (breaks[:-1] + breaks[1:]) / 2
-    state = motion.trajectory.state(middle)
-    smooth = smooth_torque(motion.robot, state[:, :n], state[:, n : 2 * n], state[:, 2 * n : 3 * n])
-    return np.asarray(motion.torque(middle) - smooth)
+def _coulomb(motion: Motion) -> Array:
+    """Coulomb friction on each interval of the torque, shape (n_intervals, n_joints)."""
+    return coulomb_torque(motion.robot, motion.direction.coefficients[0])
 
 
 def least_duration(made: Callable[[float], Candidate], shortest: float) -> Candidate:
@@ -160,13 +155,8 @@ def _is_kept(candidate: Candidate) -> bool:
 def _never(motion: Motion) -> NoSolution:
     """Why no duration keeps the limits: the largest torque of an endlessly slow motion."""
     robot, trajectory = motion.robot, motion.trajectory
-
-    def weight_at(t: Array) -> Array:
-        q = trajectory(t)
-        return smooth_torque(robot, q, 0 * q, 0 * q)
-
-    coulomb = Piecewise(breaks=motion.torque.breaks, coefficients=_steps(motion)[None])
-    slow = (Piecewise.fit(weight_at, trajectory.breaks) + coulomb).extrema()
+    weight = trajectory.position.mapped(lambda q: smooth_torque(robot, q, 0 * q, 0 * q))
+    slow = (weight + motion.direction.stepwise(_coulomb(motion))).extrema()
     share = np.nan_to_num(slow.peak / robot.limits.effort)
     j = int(share.argmax())
     unit = "N" if robot.is_prismatic[j] else "N m"

@@ -154,6 +154,7 @@ def least_time(
     max_acceleration: ArrayLike | None = None,
     max_jerk: ArrayLike | None = None,
     max_overshoot: ArrayLike | None = None,
+    dwell: float = 0.0,
     free: Sequence[str] = (),
     restarts: int = 4,
     seed: int = 0,
@@ -184,6 +185,8 @@ def least_time(
         Further limits, or those without a robot; NaN where there is none. rad/s, rad/s^2, rad/s^3.
     max_overshoot : array_like, shape () or (n_joints,), optional
         Largest excess beyond the hull of the points, rad.
+    dwell : float
+        Rest after the motion, s: its holding torque must keep the effort limits too.
     free : sequence of str
         Arguments of `make` to be chosen as well: "free_knots", or "velocities", "accelerations" at the vias.
     restarts, seed, progress
@@ -210,7 +213,7 @@ def least_time(
     total = 1.0 if np.ndim(times) == 0 else np.asarray(times) / float(np.ptp(np.asarray(times, dtype=np.float64)))
     untimed = [name for name in quantities if name == "position"]
     setting = checked_setting(
-        make, points, total, robot=robot, free=free, max_overshoot=max_overshoot, keep=untimed, dwell=0.0, least=2
+        make, points, total, robot=robot, free=free, max_overshoot=max_overshoot, keep=untimed, dwell=dwell, least=2
     )
     n_joints = setting.variables.points.shape[1]
     limits = _checked_limits(n_joints, (max_velocity, max_acceleration, max_jerk), robot, quantities)

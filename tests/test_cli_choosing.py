@@ -167,7 +167,7 @@ def test_optimise_lspb_passes_durations(capsys: pytest.CaptureFixture[str]) -> N
         (["optimise", "--profile", "septic", "--profile", "lspb"], "one profile is optimised at a time"),
         (["optimise", "--profile", "cubic", "--objective", "peak_jerk"], "unbounded for profile cubic"),
         (["optimise", "--respect", "position", "--restarts", "0"], "no via times were found that keep the constraints"),
-        (["optimise", "--respect", "torque"], "unknown limit to keep 'torque'; valid: 'position'"),
+        (["optimise", "--respect", "torque"], "unknown limit 'torque'; valid: 'position'"),
         (["optimise", "--objective", "duration", "--restarts", "0"], "joint5 position -1.989 rad at t = 0 s is 0.2441"),
         (["optimise", "--free", "velocities"], "septic has no free velocities"),
         (["optimise", "--max-overshoot", "nan"], "max_overshoot = nan rad is not a finite number"),

@@ -22,7 +22,7 @@ __all__ = ["Proportions", "needed_time"]
 # A part of the needed time far below the largest one never governs; below this share of it, its root is cut off, which
 # has an infinite slope at zero.
 _IDLE: Final = 0.1
-# What is at its limit to rounding keeps it.
+# Peaks are brought to within this part of their limits.
 _ROUNDING: Final = 1e-12
 # A profile whose peaks, made anew at the scaled times, are this far off does not obey the law of scaling.
 _UNSCALED: Final = 1e-9
@@ -84,11 +84,21 @@ class Proportions:
             lambda duration: self.made(x, duration), 0.0 if candidate is None else candidate.trajectory.duration
         )
 
+    def start(self, x: Array) -> Trajectory | None:
+        """The quickest motion; None where no duration keeps the effort limits."""
+        try:
+            return self.quickest(x).trajectory
+        except NoSolution:
+            return None
+
     def least(self, x: Array) -> float:
-        """The least time of these proportions, s; infinite where they keep the limits at no duration."""
+        """The least time of these proportions, s; infinite where they keep the limits at no duration.
+
+        Random proportions of which not even a motion can be made count as such, too.
+        """
         try:
             candidate = self.quickest(x)
-        except NoSolution:
+        except (InputError, NoSolution):
             return float("inf")
         is_kept = self.setting.excess(candidate).max(initial=-np.inf) <= KEPT
         return candidate.trajectory.duration if is_kept else float("inf")

@@ -46,7 +46,7 @@ def excess_function(
 def checked_quantities(keep: Sequence[str]) -> tuple[str, ...]:
     """Names of limits; one name alone is meant as such."""
     names = (keep,) if isinstance(keep, str) else tuple(keep)
-    return tuple(checked_choice("limit to keep", name, LIMITS) for name in names)
+    return tuple(checked_choice("limit", name, LIMITS) for name in names)
 
 
 def _beyond_hull(candidate: Candidate, bound: Array) -> Array:

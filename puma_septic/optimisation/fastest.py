@@ -223,10 +223,7 @@ def least_time(
     race = Proportions(setting=setting, limits=limits, torque=torque)
     count = checked_count("restarts", restarts) if setting.variables.size else 0
     starts = random_starts(setting.variables, setting.first(), count, seed)
-    try:
-        start = race.quickest(starts[0]).trajectory
-    except NoSolution:
-        start = None
+    start = race.start(starts[0])
     candidate, ends, n_evaluations = _raced(race, starts, progress)
     verdict = verdict_of(candidate, quantities)
     if verdict is not None and verdict.failures:

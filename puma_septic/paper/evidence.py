@@ -13,8 +13,7 @@ from puma_septic.checks import Array, read_only
 from puma_septic.kinematics import forward_kinematics, inverse_kinematics
 from puma_septic.paper.durations import LeastDuration, least_duration, median_seconds
 from puma_septic.paper.inputs import PaperInputs
-from puma_septic.profiles import lspb, quintic_segments, septic
-from puma_septic.profiles.splines import quintic_spline
+from puma_septic.profiles import lspb, quintic_segments, quintic_spline, septic
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 

@@ -22,10 +22,9 @@ from scipy.sparse.linalg import spsolve
 from puma_septic.checks import Array, checked_array
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
-from puma_septic.profiles.hermite import quintic
-from puma_septic.profiles.labels import joint_labels
+from puma_septic.profiles._hermite import quintic
+from puma_septic.profiles._vias import boundary, checked_points, checked_via_times, joint_labels, named
 from puma_septic.profiles.log_files import JointLog, read_csv_trajectory
-from puma_septic.profiles.points import boundary, checked_points, checked_via_times, named
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["FitResidual", "JointLog", "fit_residual", "fit_trajectory", "read_csv_trajectory"]

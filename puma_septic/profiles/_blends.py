@@ -11,9 +11,8 @@ from numpy.typing import ArrayLike
 from puma_septic.checks import Array, checked_array
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
-from puma_septic.profiles.labels import joint_labels
-from puma_septic.profiles.phases import side_by_side
-from puma_septic.profiles.points import boundary, checked_points, checked_via_times, named
+from puma_septic.profiles._asynchronous import side_by_side
+from puma_septic.profiles._vias import boundary, checked_points, checked_via_times, joint_labels, named
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["polynomial_blends", "trapezoidal"]

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from puma_septic.checks import Array, checked_array, checked_times
 from puma_septic.errors import InputError
 
-__all__ = ["boundary", "checked_points", "checked_via_times"]
+__all__ = ["boundary", "checked_points", "checked_via_times", "joint_labels", "named"]
 
 
 def checked_points(profile: str, points: ArrayLike, *, at_least: int = 2, exactly: int | None = None) -> Array:
@@ -47,3 +47,8 @@ def named(joint_names: Sequence[str] | None) -> tuple[str, ...]:
     if isinstance(joint_names, str):
         raise InputError(f"joint_names: expected one name per joint, got the single string {joint_names!r}")
     return tuple(joint_names or ())
+
+
+def joint_labels(joint_names: Sequence[str], n_joints: int) -> list[str]:
+    """By name, or by number from 1 where there are no names."""
+    return [f"joint {name!r}" for name in joint_names] or [f"joint {j + 1}" for j in range(n_joints)]

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from puma_septic.checks import Array, checked_array, checked_number
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
-from puma_septic.profiles.fifth_degree import quintic_powers
-from puma_septic.profiles.points import boundary, checked_points, named
+from puma_septic.profiles._quintic import quintic_powers
+from puma_septic.profiles._vias import boundary, checked_points, named
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["lspb"]

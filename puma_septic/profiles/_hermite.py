@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 from puma_septic.checks import Array, checked_array
 from puma_septic.piecewise import Piecewise
 from puma_septic.piecewise.matrices import from_power_matrix
-from puma_septic.profiles.fifth_degree import quintic_segments
-from puma_septic.profiles.points import checked_points, checked_via_times, named
+from puma_septic.profiles._quintic import quintic_segments
+from puma_septic.profiles._vias import checked_points, checked_via_times, named
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["classic_septic", "cubic", "from_boundary_values", "quintic"]

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from numpy.typing import ArrayLike
 
-from puma_septic.profiles.points import boundary, checked_points, checked_via_times, named
-from puma_septic.profiles.segments import at_ends, solve_segments, through
+from puma_septic.profiles._segments import at_ends, solve_segments, through
+from puma_septic.profiles._vias import boundary, checked_points, checked_via_times, named
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["single_polynomial"]

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from puma_septic.checks import Array, checked_number
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
-from puma_septic.profiles.hermite import from_boundary_values
-from puma_septic.profiles.integrating import integrated, smooth_series
+from puma_septic.profiles._hermite import from_boundary_values
+from puma_septic.profiles._integration import integrated, smooth_series
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["trigonometric_spline"]

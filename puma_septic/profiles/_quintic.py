@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from puma_septic.checks import Array, checked_array
 from puma_septic.piecewise import Piecewise
-from puma_septic.profiles.points import checked_points, checked_via_times, named
+from puma_septic.profiles._vias import checked_points, checked_via_times, named
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["quintic_powers", "quintic_segments"]

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.profiles.points import checked_points, checked_via_times, named
-from puma_septic.profiles.segments import at_ends, solve_segments, through
+from puma_septic.profiles._segments import at_ends, solve_segments, through
+from puma_septic.profiles._vias import checked_points, checked_via_times, named
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["poly_353", "poly_434"]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from puma_septic.piecewise import Piecewise
-from puma_septic.profiles.points import checked_points, checked_via_times, named
+from puma_septic.profiles._vias import checked_points, checked_via_times, named
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["linear"]

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from puma_septic.checks import Array
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise, matrices
-from puma_septic.profiles.points import checked_points, checked_via_times, named
-from puma_septic.profiles.segments import at_ends, solve_segments, through
+from puma_septic.profiles._segments import at_ends, solve_segments, through
+from puma_septic.profiles._vias import checked_points, checked_via_times, named
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["bspline", "bspline_control"]

@@ -12,7 +12,7 @@ from puma_septic.checks import Array, read_only
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
 from puma_septic.piecewise.matrices import basis_at, end_derivatives, signs
-from puma_septic.profiles.points import boundary, checked_points, checked_via_times, named
+from puma_septic.profiles._vias import boundary, checked_points, checked_via_times, named
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["septic"]

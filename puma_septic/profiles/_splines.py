@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from puma_septic.checks import Array, checked_array
 from puma_septic.errors import InputError
-from puma_septic.profiles.points import boundary, checked_points, checked_via_times, named
-from puma_septic.profiles.segments import at_ends, solve_segments, through
+from puma_septic.profiles._segments import at_ends, solve_segments, through
+from puma_septic.profiles._vias import boundary, checked_points, checked_via_times, named
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["cubic_spline", "cubic_spline_free_knots", "quintic_spline", "septic_spline"]

@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike
 
 from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise
-from puma_septic.profiles.integrating import integrated, smooth_series
-from puma_septic.profiles.points import checked_points, checked_via_times, named
+from puma_septic.profiles._integration import integrated, smooth_series
+from puma_septic.profiles._vias import checked_points, checked_via_times, named
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["bang_bang", "cycloidal", "harmonic", "modified_sine", "modified_trapezoidal"]

@@ -8,19 +8,19 @@ from typing import final
 import numpy as np
 
 from puma_septic.piecewise import Piecewise
-from puma_septic.profiles.blends import polynomial_blends, trapezoidal
-from puma_septic.profiles.bsplines import bspline
-from puma_septic.profiles.hermite import classic_septic, cubic, quintic
-from puma_septic.profiles.mstraj import lspb
-from puma_septic.profiles.rest_to_rest import (
+from puma_septic.profiles._blends import polynomial_blends, trapezoidal
+from puma_septic.profiles._bspline import bspline
+from puma_septic.profiles._double_s import double_s
+from puma_septic.profiles._hermite import classic_septic, cubic, quintic
+from puma_septic.profiles._mstraj import lspb
+from puma_septic.profiles._rest_to_rest import (
     bang_bang,
     cycloidal,
     harmonic,
     modified_sine,
     modified_trapezoidal,
 )
-from puma_septic.profiles.seven_phase import double_s
-from puma_septic.profiles.trigonometric import trigonometric_spline
+from puma_septic.profiles._trigonometric import trigonometric_spline
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["NormalisedRow", "normalised_table"]

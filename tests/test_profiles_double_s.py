@@ -147,14 +147,12 @@ def test_constant_velocity_is_kept_where_it_just_fits() -> None:
 
 def test_infeasible_requests_are_explained() -> None:
     points = [[0.0, 0.0], [0.1, 2.0]]
-    with pytest.raises(
-        InputError, match=r"joint 'elbow', segment 1: start_velocity of 3 rad/s exceeds max_velocity = 2"
-    ):
+    with pytest.raises(InputError, match=r"joint 'elbow', segment 1: start_velocity of 3 exceeds max_velocity = 2"):
         double_s(points, start_velocity=[0.0, 3.0], joint_names=("waist", "elbow"), **LIMITS)
     # A change of 1 rad/s takes 2 sqrt(1/8) s at a mean of 0.5 rad/s.
     with pytest.raises(
         InputError,
-        match=r"joint 1, segment 1: the velocity cannot change from 0 to 1 rad/s .* within 0.1 rad.*takes 0.353553",
+        match=r"joint 1, segment 1: .* cannot change from 0 to 1 .* within 0.1: .*takes 0.353553 .rad, or m",
     ):
         double_s(points, end_velocity=1.0, **LIMITS)
     with pytest.raises(
@@ -167,12 +165,14 @@ def test_infeasible_requests_are_explained() -> None:
 
 def test_missing_limits_are_named() -> None:
     points = [[0.0, 0.0], [1.0, 1.0]]
-    for name, unit in (("max_velocity", "rad/s"), ("max_acceleration", r"rad/s\^2"), ("max_jerk", r"rad/s\^3")):
-        with pytest.raises(InputError, match=f"double_s needs {name}, in {unit}: it is the limits"):
+    for name, power in (("max_velocity", ""), ("max_acceleration", r"\^2"), ("max_jerk", r"\^3")):
+        with pytest.raises(
+            InputError, match=rf"double_s needs {name}, in rad/s{power} \(m/s{power} if prismatic\): it"
+        ):
             double_s(points, **{key: value for key, value in LIMITS.items() if key != name})
         with pytest.raises(InputError, match=rf"joint 2: {name} is unknown \(nan\), but double_s needs it"):
             double_s(points, **{**LIMITS, name: [1.0, np.nan]})
-        with pytest.raises(InputError, match=rf"joint 1: {name} = 0 {unit} must be positive"):
+        with pytest.raises(InputError, match=rf"joint 1: {name} = 0 must be positive"):
             double_s(points, **{**LIMITS, name: 0.0})
     with pytest.raises(InputError, match="joint 'a', joint 'b': max_jerk is unknown"):
         double_s(points, **{**LIMITS, "max_jerk": [np.nan, np.nan]}, joint_names=["a", "b"])

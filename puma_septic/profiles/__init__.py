@@ -4,12 +4,12 @@ from puma_septic.profiles._bezier import bezier
 from puma_septic.profiles._blends import polynomial_blends, trapezoidal
 from puma_septic.profiles._bspline import bspline, bspline_control
 from puma_septic.profiles._double_s import double_s
-from puma_septic.profiles._hermite import classic_septic, cubic, quintic
+from puma_septic.profiles._hermite import classic_septic, cubic
 from puma_septic.profiles._linear import linear
 from puma_septic.profiles._mstraj import lspb
 from puma_septic.profiles._normalised import NormalisedRow, normalised_table
 from puma_septic.profiles._poly_434_353 import poly_353, poly_434
-from puma_septic.profiles._quintic import quintic_segments
+from puma_septic.profiles._quintic import quintic, quintic_segments
 from puma_septic.profiles._registry import ProfileInfo, available
 from puma_septic.profiles._rest_to_rest import (
     bang_bang,

@@ -2,42 +2,82 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import comb
+from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise
 
-__all__ = ["side_by_side"]
+__all__ = ["Phases", "side_by_side"]
 
-# Phases that begin within this part of the largest time of each other begin together; Piecewise tells times
-# apart down to 1e-13.
-_SAME_TIME = 4e-13
+# Resolution of time: phases that begin within this part of the duration of each other begin together, and a phase
+# shorter than it is none. Piecewise tells times apart down to 1e-13 of the duration.
+SAME_TIME = 4e-13
 
 
-def side_by_side(starts: Array, powers: Array) -> Piecewise:
-    """Joint j follows ``sum_k powers[k, i, j] s^k`` from ``starts[i, j]`` to ``starts[i + 1, j]``, s in [0,
-    1].
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Phases:
+    """When each joint's phases begin, on breaks that all joints share.
+
+    A profile computes its phases from `lengths`, which are those that the breaks leave after merging and rounding: what
+    is continuous from phase to phase then stays so to the last digit, however short a phase is.
+
+    Attributes
+    ----------
+    breaks : ndarray, shape (m + 1,)
+        Strictly increasing, from 0, s.
+    index : ndarray of int, shape (n + 1, n_joints)
+        Which break each phase of each joint begins at; the last row is the end.
+    """
+
+    breaks: Array
+    index: NDArray[np.int64]
+
+    @classmethod
+    def from_starts(cls, starts: Array) -> Phases:
+        """From nominal times, shape (n + 1, n_joints), non-decreasing; all joints begin at 0 and end together."""
+        instants = np.unique(starts)
+        new = np.append(True, np.diff(instants) > SAME_TIME * instants[-1])
+        breaks = instants[new]
+        breaks[-1] = instants[-1]
+        number = np.cumsum(new) - 1
+        return cls(breaks=breaks, index=number[np.searchsorted(instants, starts)])
+
+    @property
+    def starts(self) -> Array:
+        """When each phase begins, and the end, shape (n + 1, n_joints), s."""
+        return self.breaks[self.index]
+
+    @property
+    def lengths(self) -> Array:
+        """How long each phase lasts, shape (n, n_joints), s; 0 for one that is shorter than the resolution."""
+        return np.diff(self.starts, axis=0)
+
+
+def side_by_side(phases: Phases, powers: Array) -> Piecewise:
+    """Joint j follows ``sum_k powers[k, i, j] s^k`` in its phase i, s from 0 to 1.
 
     Phases of no length are left out.
 
     Parameters
     ----------
-    starts : ndarray, shape (n + 1, n_joints)
-        Non-decreasing; all joints begin and end together.
+    phases : Phases
     powers : ndarray, shape (degree + 1, n, n_joints)
+
+    Returns
+    -------
+    Piecewise
     """
-    instants = np.unique(starts)
-    new = np.append(True, np.diff(instants) > _SAME_TIME * np.abs(instants).max())
-    number = np.cumsum(new) - 1
-    breaks = instants[new]
-    breaks[-1] = instants[-1]
-    index = number[np.searchsorted(instants, starts)]
+    breaks, index = phases.breaks, phases.index
     # The phase of each joint that each interval lies in, and where in it.
     interval = np.arange(len(breaks) - 1)
     phase = np.stack([np.searchsorted(own, interval, side="right") - 1 for own in index.T], axis=1)
-    joint = np.arange(starts.shape[1])
+    joint = np.arange(index.shape[1])
     left, right = breaks[index[phase, joint]], breaks[index[phase + 1, joint]]
     return Piecewise.from_power(
         breaks,

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise, matrices
 from puma_septic.profiles._integration import integrated
-from puma_septic.profiles._vias import checked_points, checked_via_times, named
+from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["bezier"]
@@ -46,24 +46,17 @@ def bezier(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | 
     >>> round(float(move.extrema(1).max[0]), 12)
     1.875
     """
-    vias = checked_points("bezier", points)
-    instants = checked_via_times(times, vias)
-    control = np.concatenate([vias[:1], vias[:1], vias, vias[-1:], vias[-1:]])
+    vias = Vias.of("bezier", points, times, joint_names)
+    control = np.concatenate([vias.q[:1], vias.q[:1], vias.q, vias.q[-1:], vias.q[-1:]])
     degree = len(control) - 1
     # The jerk is a Bezier curve too, of the third differences.
-    scale = degree * (degree - 1) * (degree - 2) / (instants[-1] - instants[0]) ** 3
+    scale = degree * (degree - 1) * (degree - 2) / vias.t[-1] ** 3
     jerk = Piecewise(
-        breaks=instants[[0, -1]],
+        breaks=vias.t[[0, -1]],
         coefficients=_bernstein_series(scale * np.diff(control, n=3, axis=0))[:, None],
     )
-    rest = np.zeros(vias.shape[1])
-    return Trajectory(
-        position=integrated(jerk, rest, rest, vias[0]),
-        points=vias,
-        times=instants,
-        profile="bezier",
-        joint_names=named(joint_names),
-    )
+    rest = np.zeros(vias.n_joints)
+    return vias.trajectory(integrated(jerk, rest, rest, vias.q[0]))
 
 
 def _bernstein_series(control: Array) -> Array:

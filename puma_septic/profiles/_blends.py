@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from puma_septic.checks import Array, checked_array
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
-from puma_septic.profiles._asynchronous import side_by_side
-from puma_septic.profiles._vias import boundary, checked_points, checked_via_times, joint_labels, named
+from puma_septic.profiles._asynchronous import Phases, side_by_side
+from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["polynomial_blends", "trapezoidal"]
@@ -63,23 +63,12 @@ def trapezoidal(
     >>> float(move.extrema(1).max[0]), float(move.extrema(2).max[0])
     (0.5, 0.5)
     """
-    vias = checked_points("trapezoidal", points)
-    instants = checked_via_times(times, vias)
-    names = named(joint_names)
+    vias = Vias.of("trapezoidal", points, times, joint_names)
     if (blend_time is None) == (cruise_velocity is None):
         given = "neither is" if blend_time is None else "both are"
         raise InputError(f"trapezoidal takes either blend_time or cruise_velocity; {given} given")
-    if blend_time is not None:
-        blends = _blend_times(blend_time, vias)
-    else:
-        blends = _blends_for_cruise(vias, instants, cruise_velocity, names)
-    return Trajectory(
-        position=_blended(vias, instants, blends, 3),
-        points=vias,
-        times=instants,
-        profile="trapezoidal",
-        joint_names=names,
-    )
+    blends = _blends_for_cruise(vias, cruise_velocity) if blend_time is None else _blend_times(vias, blend_time)
+    return vias.trajectory(_blended(vias, blends, 3))
 
 
 def polynomial_blends(
@@ -125,48 +114,41 @@ def polynomial_blends(
     >>> float(move.extrema(1).max[0]), float(move.extrema(2).max[0])
     (0.5, 0.75)
     """
-    vias = checked_points("polynomial_blends", points)
-    instants = checked_via_times(times, vias)
+    vias = Vias.of("polynomial_blends", points, times, joint_names)
     if degree not in _DEGREES:
         raise InputError(f"degree = {degree!r} is not one of {', '.join(map(str, _DEGREES))}")
-    return Trajectory(
-        position=_blended(vias, instants, _blend_times(blend_time, vias), degree),
-        points=vias,
-        times=instants,
-        profile="polynomial_blends",
-        joint_names=named(joint_names),
-    )
+    return vias.trajectory(_blended(vias, _blend_times(vias, blend_time), degree))
 
 
-def _blend_times(given: ArrayLike, points: Array) -> Array:
+def _blend_times(vias: Vias, given: ArrayLike) -> Array:
     """Of each point and joint, shape (k, n_joints)."""
     if np.ndim(given) == 0:
-        given = np.full(len(points), float(checked_array("blend_time", given, (), unit="s")))
-    blends = checked_array("blend_time", given, (len(points),), unit="s")
+        given = np.full(len(vias.q), float(checked_array("blend_time", given, (), unit="s")))
+    blends = checked_array("blend_time", given, (len(vias.q),), unit="s")
     if not (blends > 0).all():
         k = int(np.argmin(blends))
         raise InputError(
             f"blend_time of point {k} = {blends[k]:g} s must be positive; without blends, take profile linear"
         )
-    return np.repeat(blends[:, None], points.shape[1], axis=1)
+    return np.repeat(blends[:, None], vias.n_joints, axis=1)
 
 
-def _blends_for_cruise(points: Array, times: Array, cruise_velocity: ArrayLike | None, names: Sequence[str]) -> Array:
+def _blends_for_cruise(vias: Vias, cruise_velocity: ArrayLike | None) -> Array:
     """``Ta = T - abs(h) / v_c`` at both ends, shape (2, n_joints)."""
-    if len(points) != 2:
+    if len(vias.q) != 2:
         raise InputError(
-            f"cruise_velocity needs exactly 2 points, got {len(points)}: between several, the velocities"
+            f"cruise_velocity needs exactly 2 points, got {len(vias.q)}: between several, the velocities"
             " follow from times and blend_time"
         )
-    speed = boundary("cruise_velocity", cruise_velocity, points.shape[1], "rad/s")
-    T, h = times[1] - times[0], np.abs(points[1] - points[0])
+    speed = vias.boundary("cruise_velocity", cruise_velocity)
+    T, h = vias.t[1], np.abs(vias.q[1] - vias.q[0])
     moves = h > 0
     bad = moves & ~((speed > h / T) & (speed <= 2 * h / T * (1 + 1e-12)))
     if bad.any():
         j = int(np.argmax(bad))
         raise InputError(
-            f"{joint_labels(names, len(h))[j]}: cruise_velocity = {speed[j]:g} rad/s must be more than h/T ="
-            f" {h[j] / T:g} rad/s and at most 2 h/T = {2 * h[j] / T:g} rad/s to cover {h[j]:g} rad in {T:g} s"
+            f"{vias.labels[j]}: cruise_velocity = {speed[j]:g} must be more than h/T = {h[j] / T:g} and at most 2 h/T ="
+            f" {2 * h[j] / T:g} to cover h = {h[j]:g} in T = {T:g} s (rad and rad/s; m and m/s if prismatic)"
         )
     blend = np.full(len(h), T / 2)
     blend[moves] = np.minimum(T - h[moves] / speed[moves], T / 2)
@@ -175,32 +157,34 @@ def _blends_for_cruise(points: Array, times: Array, cruise_velocity: ArrayLike |
     return np.stack([blend, blend])
 
 
-def _blended(points: Array, times: Array, blends: Array, degree: int) -> Piecewise:
+def _blended(vias: Vias, blends: Array, degree: int) -> Piecewise:
     """Blends and lines in turn, for each joint."""
     # The first and the last blend lie inside their segments, the others around their vias.
-    middle = np.repeat(times[:, None], points.shape[1], axis=1)
+    middle = np.repeat(vias.t[:, None], vias.n_joints, axis=1)
     middle[0] += blends[0] / 2
     middle[-1] -= blends[-1] / 2
-    starts = np.stack([middle - blends / 2, middle + blends / 2], axis=1).reshape(-1, points.shape[1])
-    starts[0], starts[-1] = times[0], times[-1]
+    starts = np.stack([middle - blends / 2, middle + blends / 2], axis=1).reshape(-1, vias.n_joints)
+    starts[0], starts[-1] = vias.t[0], vias.t[-1]
     _check_overlap(starts, blends)
-    v = np.diff(points, axis=0) / np.diff(middle, axis=0)
-    rest = np.zeros((1, points.shape[1]))
+    phases = Phases.from_starts(starts)
+    v = np.diff(vias.q, axis=0) / np.diff(middle, axis=0)
+    rest = np.zeros((1, vias.n_joints))
     v_in, v_out = np.concatenate([rest, v]), np.concatenate([v, rest])
     shape = _velocity_step_integral((degree - 1) // 2)
-    powers = np.zeros((len(shape), 2 * len(points) - 1, points.shape[1]))
-    powers[:, ::2] = shape[:, None, None] * (blends * (v_out - v_in))
-    powers[0, ::2] += points - v_in * blends / 2
-    powers[1, ::2] += v_in * blends
-    powers[0, 1::2] = points[:-1] + v * blends[:-1] / 2
-    powers[1, 1::2] = v * np.diff(starts, axis=0)[1::2]
-    return side_by_side(starts, powers)
+    powers = np.zeros((len(shape), 2 * len(vias.q) - 1, vias.n_joints))
+    lengths, since = phases.lengths, phases.starts[:-1] - np.repeat(middle, 2, axis=0)[:-1]
+    powers[:, ::2] = shape[:, None, None] * (lengths[::2] * (v_out - v_in))
+    powers[0, ::2] += vias.q + v_in * since[::2]
+    powers[1, ::2] += v_in * lengths[::2]
+    powers[0, 1::2] = vias.q[:-1] + v * since[1::2]
+    powers[1, 1::2] = v * lengths[1::2]
+    return side_by_side(phases, powers)
 
 
 def _check_overlap(starts: Array, blends: Array) -> None:
     """Refuse lines of negative length; one of no length is none."""
     line = np.diff(starts, axis=0)[1::2]
-    room = -1e-12 * np.abs(starts[-1]).max()
+    room = -1e-12 * starts[-1].max()
     if (line < room).any():
         k = int(np.argmin(line.min(axis=1)))
         raise InputError(

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike
 
 from puma_septic.checks import Array
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise, matrices
 from puma_septic.profiles._segments import at_ends, solve_segments, through
-from puma_septic.profiles._vias import checked_points, checked_via_times, named
+from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["bspline", "bspline_control"]
@@ -56,22 +57,15 @@ def bspline(
     >>> move([0.0, 1.0, 2.0]).round(12).ravel().tolist(), len(move.jumps(3).times)
     ([0.0, 1.0, 0.5], 0)
     """
-    vias = checked_points("bspline", points)
-    instants = checked_via_times(times, vias)
+    vias = Vias.of("bspline", points, times, joint_names)
     _check_degree(degree)
-    rest = np.zeros(vias.shape[1])
+    rest = np.zeros(vias.n_joints)
     orders = range(1, 3 if degree == 3 else 4)
-    conditions = through(instants, vias)
+    conditions = through(vias.t, vias.q)
     for order in orders:
-        conditions += at_ends(instants, order, rest, rest)
-    breaks = _breaks(_with_ends_repeated(instants, len(orders)), degree)
-    return Trajectory(
-        position=solve_segments(breaks, [degree] * (len(breaks) - 1), degree - 1, conditions),
-        points=vias,
-        times=instants,
-        profile="bspline",
-        joint_names=named(joint_names),
-    )
+        conditions += at_ends(vias.t, order, rest, rest)
+    breaks = _breaks(_with_ends_repeated(vias.t, len(orders)), degree)
+    return vias.trajectory(solve_segments(breaks, [degree] * (len(breaks) - 1), degree - 1, conditions))
 
 
 def bspline_control(
@@ -111,17 +105,10 @@ def bspline_control(
     >>> float(move.extrema(0).max[0]) < 1.0, float(move.overshoot[0])
     (True, 0.0)
     """
-    vias = checked_points("bspline_control", points)
-    instants = checked_via_times(times, vias)
+    vias = Vias.of("bspline_control", points, times, joint_names)
     _check_degree(degree)
-    breaks = _breaks(_with_ends_repeated(instants, degree - 1), degree)
-    return Trajectory(
-        position=_from_control_points(_with_ends_repeated(vias, degree - 1), breaks, degree),
-        points=vias,
-        times=instants,
-        profile="bspline_control",
-        joint_names=named(joint_names),
-    )
+    breaks = _breaks(_with_ends_repeated(vias.t, degree - 1), degree)
+    return vias.trajectory(_from_control_points(_with_ends_repeated(vias.q, degree - 1), breaks, degree))
 
 
 def _check_degree(degree: int) -> None:
@@ -136,8 +123,8 @@ def _with_ends_repeated(rows: Array, further: int) -> Array:
 
 def _breaks(sites: Array, degree: int) -> Array:
     """The ends and the distinct knots between them, averages of `degree` successive sites."""
-    inner = [sites[i : i + degree].mean() for i in range(1, len(sites) - degree)]
-    return np.array([sites[0], *inner, sites[-1]])
+    inner = sliding_window_view(sites, degree)[1:-1].mean(axis=1)
+    return np.concatenate([sites[:1], inner, sites[-1:]])
 
 
 def _from_control_points(control: Array, breaks: Array, degree: int) -> Piecewise:
@@ -146,12 +133,10 @@ def _from_control_points(control: Array, breaks: Array, degree: int) -> Piecewis
     Relative to the first control point, so that a joint that does not move has coefficients that are exactly
     zero.
     """
-    # Relative to the start as well: rounding of a late time would be seen in the jerk.
-    own = breaks - breaks[0]
-    knots = np.concatenate([np.repeat(own[0], degree), own, np.repeat(own[-1], degree)])
-    interval = np.arange(len(own) - 1)
+    knots = np.concatenate([np.repeat(breaks[0], degree), breaks, np.repeat(breaks[-1], degree)])
+    interval = np.arange(len(breaks) - 1)
     x = matrices.nodes(degree)[:, None]
-    t = (own[:-1] * (1 - x) + own[1:] * (1 + x)) / 2
+    t = (breaks[:-1] * (1 - x) + breaks[1:] * (1 + x)) / 2
     d = [np.broadcast_to((control - control[0])[interval + j], (*t.shape, control.shape[1])) for j in range(degree + 1)]
     for r in range(1, degree + 1):
         for j in range(degree, r - 1, -1):

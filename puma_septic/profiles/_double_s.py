@@ -10,15 +10,20 @@ from numpy.typing import ArrayLike
 
 from puma_septic.checks import Array
 from puma_septic.errors import InputError
-from puma_septic.piecewise import Piecewise
-from puma_septic.profiles._asynchronous import side_by_side
-from puma_septic.profiles._vias import boundary, checked_points, joint_labels, named
+from puma_septic.profiles._asynchronous import Phases, side_by_side
+from puma_septic.profiles._vias import Vias, boundary, checked_points, joint_labels, named
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["double_s"]
 
 # A duration is met to this part of it.
 _SAME_DURATION = 1e-12
+# Below this part of the whole duration a phase's length is off by more than 2e-11 of it, from rounding its instants.
+_SHORT = 1e-5
+# A change of velocity below this part of the limit is rounding.
+_NO_CHANGE = 1e-12
+# A profile does not know which joints slide.
+_UNITS = "(rad, or m if prismatic, and s)"
 
 
 class _Bounds(NamedTuple):
@@ -27,6 +32,14 @@ class _Bounds(NamedTuple):
     velocity: float
     acceleration: float
     jerk: float
+
+
+class _Plan(NamedTuple):
+    """Lengths of the seven phases, and the changes of velocity of both ramps; of all joints, or of one."""
+
+    lengths: Array
+    up: Array
+    down: Array
 
 
 class _Move(NamedTuple):
@@ -85,25 +98,20 @@ def double_s(
     >>> float(move.duration), move.extrema(2).max.tolist()
     (1.0, [8.0])
     """
-    vias = checked_points("double_s", points)
-    n, names = vias.shape[1], named(joint_names)
-    labels = joint_labels(names, n)
+    q, names = checked_points("double_s", points), named(joint_names)
+    labels = joint_labels(names, q.shape[1])
     given = (("max_velocity", max_velocity), ("max_acceleration", max_acceleration), ("max_jerk", max_jerk))
-    units = ("rad/s", "rad/s^2", "rad/s^3")
+    units = [f"rad/s{power} (m/s{power} if prismatic)" for power in ("", "^2", "^3")]
     limits = [_limit(name, value, labels, unit) for (name, value), unit in zip(given, units, strict=True)]
     bounds = [_Bounds(*map(float, row)) for row in zip(*limits, strict=True)]
-    velocities = np.zeros_like(vias)
-    velocities[0] = boundary("start_velocity", start_velocity, n, "rad/s")
-    velocities[-1] = boundary("end_velocity", end_velocity, n, "rad/s")
-    segments = [_segment(k, vias[k : k + 2], velocities[k : k + 2], bounds, labels) for k in range(len(vias) - 1)]
-    times = np.concatenate([[0.0], np.cumsum([lengths.sum(axis=0)[0] for lengths, _ in segments])])
-    return Trajectory(
-        position=_joined(vias, velocities, times, segments),
-        points=vias,
-        times=times,
-        profile="double_s",
-        joint_names=names,
-    )
+    velocities = np.zeros_like(q)
+    velocities[0] = boundary("start_velocity", start_velocity, len(labels))
+    velocities[-1] = boundary("end_velocity", end_velocity, len(labels))
+    segments = [_segment(k, q[k : k + 2], velocities[k : k + 2], bounds, labels) for k in range(len(q) - 1)]
+    phases = _timed(segments)
+    _check_resolved(phases, segments, bounds, labels)
+    vias = Vias.of("double_s", q, phases.starts[::7, 0], names)
+    return vias.trajectory(side_by_side(phases, _powers(vias, velocities, phases, segments)))
 
 
 def _limit(name: str, value: ArrayLike | None, labels: Sequence[str], unit: str) -> Array:
@@ -114,31 +122,29 @@ def _limit(name: str, value: ArrayLike | None, labels: Sequence[str], unit: str)
     if unknown.any():
         which = labels if unknown.ndim == 0 else [label for label, one in zip(labels, unknown, strict=False) if one]
         raise InputError(f"{', '.join(which)}: {name} is unknown (nan), but double_s needs it, in {unit}")
-    limit = boundary(name, value, len(labels), unit)
+    limit = boundary(name, value, len(labels))
     if not (limit > 0).all():
         j = int(np.argmax(~(limit > 0)))
-        raise InputError(f"{labels[j]}: {name} = {limit[j]:g} {unit} must be positive")
+        raise InputError(f"{labels[j]}: {name} = {limit[j]:g} must be positive")
     return limit
 
 
-def _segment(
-    k: int, points: Array, velocities: Array, bounds: Sequence[_Bounds], labels: Sequence[str]
-) -> tuple[Array, Array]:
-    """Lengths (s) and jerks (rad/s^3) of the seven phases of each joint, each of shape (7, n_joints)."""
+def _segment(k: int, points: Array, velocities: Array, bounds: Sequence[_Bounds], labels: Sequence[str]) -> _Plan:
+    """The seven phases of each joint: lengths (7, n_joints), changes of velocity (n_joints,) along the movement."""
     h = np.diff(points, axis=0)[0]
     sign = np.where(h < 0, -1.0, 1.0)
     ways = zip(sign * h, *(sign * velocities), bounds, labels, strict=True)
     moves = [_fastest(x, v0, v1, limits, f"{label}, segment {k + 1}") for x, v0, v1, limits, label in ways]
-    phases = [_phases(move, move.cruise) for move in moves]
-    shortest = np.array([lengths.sum() for lengths, _ in phases])
+    plans = [_plan(move, move.cruise) for move in moves]
+    shortest = np.array([plan.lengths.sum() for plan in plans])
     duration = float(shortest.max())
     if duration == 0:
         raise InputError(f"segment {k + 1}: equal points leave it without duration")
     slowest = labels[int(np.argmax(shortest))]
     for j, move in enumerate(moves):
-        phases[j] = _in_step(move, phases[j], duration, f"{labels[j]}, segment {k + 1}", slowest)
-    lengths, jerks = (np.stack(arrays, axis=1) for arrays in zip(*phases, strict=True))
-    return lengths, jerks * sign
+        plans[j] = _in_step(move, plans[j], duration, f"{labels[j]}, segment {k + 1}", slowest)
+    lengths, up, down = zip(*plans, strict=True)
+    return _Plan(np.stack(lengths, axis=1), sign * np.array(up), sign * np.array(down))
 
 
 def _ramp_time(change: float, bounds: _Bounds) -> float:
@@ -149,11 +155,10 @@ def _ramp_time(change: float, bounds: _Bounds) -> float:
     return float(2 * np.sqrt(size / bounds.jerk))
 
 
-def _ramp(change: float, bounds: _Bounds) -> tuple[list[float], list[float]]:
-    """Lengths and jerks of its three phases."""
+def _ramp(change: float, bounds: _Bounds) -> list[float]:
+    """Lengths of its three phases."""
     rise = min(bounds.acceleration / bounds.jerk, float(np.sqrt(abs(change) / bounds.jerk)))
-    jerk = bounds.jerk if change > 0 else -bounds.jerk
-    return [rise, max(_ramp_time(change, bounds) - 2 * rise, 0.0), rise], [jerk, 0.0, -jerk]
+    return [rise, max(_ramp_time(change, bounds) - 2 * rise, 0.0), rise]
 
 
 def _ramp_distance(v0: float, cruise: float, v1: float, bounds: _Bounds) -> float:
@@ -166,15 +171,15 @@ def _fastest(h: float, v0: float, v1: float, bounds: _Bounds, label: str) -> _Mo
     """The highest cruise velocity within the limit whose ramps fit into h >= 0."""
     for which, v in (("start_velocity", v0), ("end_velocity", v1)):
         if abs(v) > bounds.velocity:
-            raise InputError(f"{label}: {which} of {abs(v):g} rad/s exceeds max_velocity = {bounds.velocity:g} rad/s")
+            raise InputError(f"{label}: {which} of {abs(v):g} exceeds max_velocity = {bounds.velocity:g}")
     # Above this velocity the distance of the ramps grows with the cruise velocity.
     least = max(v0, v1, 0.0)
     needed = _ramp_distance(v0, least, v1, bounds)
     if needed > h * (1 + 1e-12):
         raise InputError(
-            f"{label}: the velocity cannot change from {v0:g} to {v1:g} rad/s (along the movement) within"
-            f" {h:g} rad: with max_acceleration = {bounds.acceleration:g} rad/s^2 and max_jerk ="
-            f" {bounds.jerk:g} rad/s^3 that takes {needed:g} rad; lower the velocities or raise the limits"
+            f"{label}: the velocity cannot change from {v0:g} to {v1:g} (along the movement) within {h:g}: with"
+            f" max_acceleration = {bounds.acceleration:g} and max_jerk = {bounds.jerk:g} that takes {needed:g}"
+            f" {_UNITS}; lower the velocities or raise the limits"
         )
     if needed >= h:
         return _Move(h, v0, v1, bounds, least)
@@ -194,29 +199,28 @@ def _root(f: Callable[[float], float], low: float, high: float) -> float:
         low, high = (low, middle) if f(middle) > 0 else (middle, high)
 
 
-def _phases(move: _Move, cruise: float) -> tuple[Array, Array]:
-    """Lengths and jerks of the seven phases with this cruise velocity."""
-    up, up_jerk = _ramp(cruise - move.v0, move.bounds)
-    down, down_jerk = _ramp(move.v1 - cruise, move.bounds)
+def _plan(move: _Move, cruise: float) -> _Plan:
+    """The seven phases with this cruise velocity."""
+    up, down = cruise - move.v0, move.v1 - cruise
     rest = move.h - _ramp_distance(move.v0, cruise, move.v1, move.bounds)
     # What rounding leaves between the ramps is no phase.
     coasting = rest / cruise if rest > 1e-12 * move.h else 0.0
-    return np.array([*up, coasting, *down]), np.array([*up_jerk, 0.0, *down_jerk])
+    lengths = np.array([*_ramp(up, move.bounds), coasting, *_ramp(down, move.bounds)])
+    return _Plan(lengths, np.asarray(up), np.asarray(down))
 
 
-def _in_step(
-    move: _Move, fastest: tuple[Array, Array], duration: float, label: str, slowest: str
-) -> tuple[Array, Array]:
+def _in_step(move: _Move, fastest: _Plan, duration: float, label: str, slowest: str) -> _Plan:
     """The phases of a motion that takes exactly `duration`, which is not less than that of the fastest."""
-    lengths, jerks = fastest
-    total = float(lengths.sum())
+    total = float(fastest.lengths.sum())
     if move.v0 == move.v1 == 0:
         if move.h == 0:
-            return np.full(7, duration / 7), np.zeros(7)
-        return lengths * (duration / total), jerks * (total / duration) ** 3
+            return _Plan(np.full(7, duration / 7), np.zeros(()), np.zeros(()))
+        slower = duration / total
+        return _Plan(fastest.lengths * slower, fastest.up / slower, fastest.down / slower)
+    plan = fastest
     if duration - total > _SAME_DURATION * duration:
-        lengths, jerks = _phases(move, _slower_cruise(move, duration, label, slowest))
-    return lengths * (duration / lengths.sum()), jerks
+        plan = _plan(move, _slower_cruise(move, duration, label, slowest))
+    return plan._replace(lengths=plan.lengths * (duration / plan.lengths.sum()))
 
 
 def _slower_cruise(move: _Move, duration: float, label: str, slowest: str) -> float:
@@ -248,21 +252,83 @@ def _slower_cruise(move: _Move, duration: float, label: str, slowest: str) -> fl
             if distance >= 0 and abs(missing) <= tolerance * duration:
                 return cruise
     raise InputError(
-        f"{label}: it cannot be slowed down to the {duration:g} s that {slowest} takes: from {move.v0:g} to"
-        f" {move.v1:g} rad/s (along the movement) with max_acceleration = {move.bounds.acceleration:g}"
-        f" rad/s^2 and max_jerk = {move.bounds.jerk:g} rad/s^3, {move.h:g} rad leave no room for it; lower its"
-        " start or end velocity or raise its limits"
+        f"{label}: it cannot be slowed down to the {duration:g} s that {slowest} takes: from {move.v0:g} to {move.v1:g}"
+        f" (along the movement) with max_acceleration = {move.bounds.acceleration:g} and max_jerk ="
+        f" {move.bounds.jerk:g}, a way of {move.h:g} {_UNITS} leaves no room for it; lower its start or end velocity or"
+        " raise its limits"
     )
 
 
-def _joined(points: Array, velocities: Array, times: Array, segments: Sequence[tuple[Array, Array]]) -> Piecewise:
-    """All phases as powers of their own normalised time, from the states that the jerks lead to."""
-    starts, powers = [], []
-    for k, (lengths, jerks) in enumerate(segments):
-        q, v, a = points[k], velocities[k], np.zeros(points.shape[1])
-        starts.append(times[k] + np.concatenate([np.zeros((1, len(q))), np.cumsum(lengths, axis=0)[:-1]]))
-        for T, j in zip(lengths, jerks, strict=True):
-            powers.append([q, v * T, a * T**2 / 2, j * T**3 / 6])
-            q, v, a = q + v * T + a * T**2 / 2 + j * T**3 / 6, v + a * T + j * T**2 / 2, a + j * T
-    starts.append(np.full((1, points.shape[1]), times[-1]))
-    return side_by_side(np.concatenate(starts), np.moveaxis(np.array(powers), 1, 0))
+def _timed(segments: Sequence[_Plan]) -> Phases:
+    """All phases in a row, on common breaks.
+
+    Rounding of the instants may shorten a phase by a rounding of the whole duration, and with it raise the jerk of a
+    very short one beyond its limit: such a phase is made longer by two.
+    """
+    lengths = np.stack([segment.lengths for segment in segments])
+    total = lengths[:, :, 0].sum()
+    short = (lengths > 0) & (lengths < _SHORT * total)
+    short[:, [1, 3, 5]] = False
+    lengths = lengths + 2 * np.spacing(total) * short
+    durations = lengths.sum(axis=1).max(axis=1)
+    ends = np.cumsum(durations)
+    within = np.cumsum(lengths, axis=1)[:, :-1]
+    starts = np.concatenate([np.zeros_like(within[:, :1]), within], axis=1)
+    starts = np.minimum(starts, durations[:, None, None]) + (ends - durations)[:, None, None]
+    n = lengths.shape[2]
+    return Phases.from_starts(np.concatenate([starts.reshape(-1, n), np.full((1, n), ends[-1])]))
+
+
+def _check_resolved(
+    phases: Phases, segments: Sequence[_Plan], bounds: Sequence[_Bounds], labels: Sequence[str]
+) -> None:
+    """Refuse a ramp whose jerk would act for less than the resolution of time."""
+    n = len(labels)
+    kept = phases.lengths.reshape(-1, 7, n)
+    changes = np.stack([[s.up, s.down] for s in segments])
+    speeds = np.array([b.velocity for b in bounds])
+    lost = (kept[:, [[0, 2], [4, 6]]] == 0).any(axis=2) & (np.abs(changes) > _NO_CHANGE * speeds)
+    if lost.any():
+        k, ramp, j = np.argwhere(lost)[0]
+        length = segments[k].lengths[4 * ramp, j]
+        end = phases.starts[-1, j]
+        raise InputError(
+            f"{labels[j]}, segment {k + 1}: with max_acceleration = {bounds[j].acceleration:g} and max_jerk ="
+            f" {bounds[j].jerk:g} {_UNITS} its jerk acts for {length:g} s at t ="
+            f" {phases.starts[7 * k + 4 * ramp, j]:.9g} s, which double precision does not resolve in a motion of"
+            f" {end:g} s; lower max_jerk, or take profile trapezoidal, which has no limit of jerk"
+        )
+
+
+def _powers(vias: Vias, velocities: Array, phases: Phases, segments: Sequence[_Plan]) -> Array:
+    """Powers of each phase's normalised time, shape (4, 7 segments, n_joints)."""
+    h, v0, v1 = np.diff(vias.q, axis=0), velocities[:-1], velocities[1:]
+    lengths = phases.lengths.reshape(len(segments), 7, -1).swapaxes(0, 1)
+    up_area, up_mean = _shape_of_ramp(lengths[:3])
+    down_area, down_mean = _shape_of_ramp(lengths[4:])
+    # From rest to rest the lengths determine the cruise velocity, and with it both ramps.
+    way = up_mean + lengths[3] + lengths[4:].sum(axis=0) - down_mean
+    from_rest = (v0 == 0) & (v1 == 0)
+    up = np.where(from_rest, h / way, np.stack([s.up for s in segments]))
+    down = np.where(from_rest, -up, np.stack([s.down for s in segments]))
+    rise, fall = (np.divide(x, a, out=np.zeros_like(x), where=a > 0) for x, a in ((up, up_area), (down, down_area)))
+    none = np.zeros_like(rise)
+    start = np.stack([none, rise, rise, none, none, fall, fall])
+    end = np.stack([rise, rise, none, none, fall, fall, none])
+    changes = (start + end) / 2 * lengths
+    # Forward from the start and backward from the end, so that both are met exactly.
+    forward, backward = np.cumsum(changes[:3], axis=0), np.cumsum(changes[:3:-1], axis=0)[::-1]
+    v = np.concatenate([v0[None], v0 + forward, v1 - backward])
+    moved = v * lengths + (2 * start + end) * lengths**2 / 6
+    ahead, behind = np.cumsum(moved[:3], axis=0), np.cumsum(moved[:3:-1], axis=0)[::-1]
+    q = np.concatenate([vias.q[None, :-1], vias.q[:-1] + ahead, vias.q[1:] - behind])
+    powers = np.stack([q, v * lengths, start * lengths**2 / 2, (end - start) * lengths**2 / 6])
+    return powers.swapaxes(1, 2).reshape(4, -1, vias.n_joints)
+
+
+def _shape_of_ramp(lengths: Array) -> tuple[Array, Array]:
+    """Integral over time of a ramp's acceleration that is 1 at its top, and that integral's own, relative to it."""
+    rise, top, fall = lengths
+    area = rise / 2 + top + fall / 2
+    twice = rise**2 / 6 + rise / 2 * top + top**2 / 2 + (rise / 2 + top) * fall + fall**2 / 3
+    return area, np.divide(twice, area, out=np.zeros_like(area), where=area > 0)

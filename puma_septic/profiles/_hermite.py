@@ -1,23 +1,21 @@
-"""One polynomial per segment from its values at both ends: cubic, quintic, classic septic."""
+"""One polynomial per segment from its values at both ends: cubic and classic septic; `quintic` has its own module."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import lru_cache
 from math import perm
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, checked_array
+from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise
 from puma_septic.piecewise.matrices import from_power_matrix
-from puma_septic.profiles._quintic import quintic_segments
-from puma_septic.profiles._vias import checked_points, checked_via_times, named
+from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["classic_septic", "cubic", "from_boundary_values", "quintic"]
+__all__ = ["classic_septic", "cubic", "from_boundary_values"]
 
 
 def cubic(
@@ -57,50 +55,6 @@ def cubic(
     1.0
     """
     return from_boundary_values("cubic", points, times, [velocities], _polynomials(1), joint_names)
-
-
-def quintic(
-    points: ArrayLike,
-    times: ArrayLike,
-    *,
-    velocities: ArrayLike | None = None,
-    accelerations: ArrayLike | None = None,
-    joint_names: Sequence[str] | None = None,
-) -> Trajectory:
-    """One quintic per segment, from position, velocity and acceleration at both its ends.
-
-    At rest ``q = q0 + h (10 s^3 - 15 s^4 + 6 s^5)``, the 3-4-5 polynomial: of all motions from rest to rest
-    with continuous acceleration the one with the least integral of jerk^2, ``720 h^2/T^5`` (Flash and Hogan,
-    The Coordination of Arm Movements, 1985; general boundary values: Biagiotti and
-    Melchiorri). The jerk steps at every point. The same curve as `quintic_segments`.
-
-    Parameters
-    ----------
-    points : array_like, shape (k, n_joints)
-        At least two, rad (m for prismatic joints).
-    times : array_like, shape (k,)
-        Strictly increasing, s.
-    velocities, accelerations : array_like, shape (k, n_joints), optional
-        At the points, rad/s and rad/s^2; zero where not given.
-    joint_names : sequence of str, optional
-
-    Raises
-    ------
-    InputError
-        For fewer than two points, times that do not increase, non-finite or misshapen arrays.
-
-    Examples
-    --------
-    >>> from puma_septic import profiles
-    >>> move = profiles.quintic([[0.0], [1.0]], [0.0, 1.0])
-    >>> float(move.extrema(1).max[0])
-    1.875
-    """
-    vias = checked_points("quintic", points)
-    segments = quintic_segments(
-        vias, times, velocities=velocities, accelerations=accelerations, joint_names=joint_names
-    )
-    return replace(segments, profile="quintic")
 
 
 def classic_septic(
@@ -156,28 +110,17 @@ def from_boundary_values(
     `laws` (degree + 1, 2 (r + 1)) holds the Chebyshev coefficients of one motion for each boundary value, in
     s: position to derivative r at s = 0, then at s = 1.
     """
-    vias = checked_points(profile, points)
-    instants = checked_via_times(times, vias)
+    vias = Vias.of(profile, points, times, joint_names)
     names = ("velocities", "accelerations", "jerks")
-    units = ("rad/s", "rad/s^2", "rad/s^3")
-    known = [
-        np.zeros_like(vias) if given is None else checked_array(name, given, vias.shape, unit=unit)
-        for name, given, unit in zip(names, derivatives, units, strict=False)
-    ]
-    T = np.diff(instants)[:, None]
+    known = [vias.at_points(name, given) for name, given in zip(names, derivatives, strict=False)]
+    T = np.diff(vias.t)[:, None]
     # Relative to each segment's start, so that a joint that does not move has coefficients that are exactly
     # zero.
-    start = [np.zeros_like(vias[1:]), *(x[:-1] * T ** (k + 1) for k, x in enumerate(known))]
-    end = [np.diff(vias, axis=0), *(x[1:] * T ** (k + 1) for k, x in enumerate(known))]
+    start = [np.zeros_like(vias.q[1:]), *(x[:-1] * T ** (k + 1) for k, x in enumerate(known))]
+    end = [np.diff(vias.q, axis=0), *(x[1:] * T ** (k + 1) for k, x in enumerate(known))]
     series = np.tensordot(laws, np.stack(start + end), 1)
-    series[0] += vias[:-1]
-    return Trajectory(
-        position=Piecewise(breaks=instants, coefficients=series),
-        points=vias,
-        times=instants,
-        profile=profile,
-        joint_names=named(joint_names),
-    )
+    series[0] += vias.q[:-1]
+    return vias.trajectory(Piecewise(breaks=vias.t, coefficients=series))
 
 
 @lru_cache(maxsize=4)

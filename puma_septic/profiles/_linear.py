@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from puma_septic.piecewise import Piecewise
-from puma_septic.profiles._vias import checked_points, checked_via_times, named
+from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["linear"]
@@ -40,12 +40,5 @@ def linear(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | 
     >>> profiles.linear([[0.0], [1.0], [0.0]], [0.0, 2.0, 3.0])([1.0, 2.5]).ravel().tolist()
     [0.5, 0.5]
     """
-    vias = checked_points("linear", points)
-    instants = checked_via_times(times, vias)
-    return Trajectory(
-        position=Piecewise.from_power(instants, np.stack([vias[:-1], np.diff(vias, axis=0)])),
-        points=vias,
-        times=instants,
-        profile="linear",
-        joint_names=named(joint_names),
-    )
+    vias = Vias.of("linear", points, times, joint_names)
+    return vias.trajectory(Piecewise.from_power(vias.t, np.stack([vias.q[:-1], np.diff(vias.q, axis=0)])))

@@ -11,7 +11,7 @@ from puma_septic.checks import Array, checked_array, checked_number
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
 from puma_septic.profiles._quintic import quintic_powers
-from puma_septic.profiles._vias import boundary, checked_points, named
+from puma_septic.profiles._vias import Vias, boundary, checked_points
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["lspb"]
@@ -65,9 +65,9 @@ def lspb(
     >>> float(move(1.0, order=1)[0])
     0.5
     """
-    vias = checked_points("lspb", points)
+    q = checked_points("lspb", points)
     blend = checked_number("blend_time", blend_time, unit="s", at_least=0.0)
-    lengths = _durations(vias, durations, max_velocity, blend)
+    lengths = _durations(q, durations, max_velocity, blend)
     # Lengths that are meant to be equal may differ by rounding, as 0.3 and 3 * 0.1 do.
     too_short = lengths < blend * (1 - _SAME_LENGTH)
     if too_short.any():
@@ -77,13 +77,8 @@ def lspb(
             f" {lengths[k]:g} s; the blends at both its ends would overlap"
         )
     times = np.concatenate([[0.0], np.cumsum(lengths)])
-    return Trajectory(
-        position=_blended(vias, times, np.diff(vias, axis=0) / lengths[:, None], blend / 2),
-        points=vias,
-        times=times,
-        profile="lspb",
-        joint_names=named(joint_names),
-    )
+    position = _blended(q, times, np.diff(q, axis=0) / lengths[:, None], blend / 2)
+    return Vias.of("lspb", q, times, joint_names).trajectory(position)
 
 
 def _durations(points: Array, durations: ArrayLike | None, max_velocity: ArrayLike | None, blend: float) -> Array:
@@ -98,10 +93,10 @@ def _durations(points: Array, durations: ArrayLike | None, max_velocity: ArrayLi
             raise InputError(f"durations[{k}] = {lengths[k]:g} s must be positive")
         return lengths
     assert max_velocity is not None
-    speed = boundary("max_velocity", max_velocity, points.shape[1], "rad/s")
+    speed = boundary("max_velocity", max_velocity, points.shape[1])
     if not (speed > 0).all():
         k = int(np.argmax(~(speed > 0)))
-        raise InputError(f"max_velocity[{k}] = {speed[k]:g} rad/s must be positive")
+        raise InputError(f"max_velocity[{k}] = {speed[k]:g} must be positive")
     needed = (np.abs(np.diff(points, axis=0)) / speed).max(axis=1)
     needed[0] += blend / 2
     needed[1:] += blend

@@ -11,8 +11,9 @@ from puma_septic.piecewise import Piecewise
 from puma_septic.profiles._blends import polynomial_blends, trapezoidal
 from puma_septic.profiles._bspline import bspline
 from puma_septic.profiles._double_s import double_s
-from puma_septic.profiles._hermite import classic_septic, cubic, quintic
+from puma_septic.profiles._hermite import classic_septic, cubic
 from puma_septic.profiles._mstraj import lspb
+from puma_septic.profiles._quintic import quintic
 from puma_septic.profiles._rest_to_rest import (
     bang_bang,
     cycloidal,

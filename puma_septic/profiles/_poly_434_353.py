@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from puma_septic.profiles._segments import at_ends, solve_segments, through
-from puma_septic.profiles._vias import checked_points, checked_via_times, named
+from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["poly_353", "poly_434"]
@@ -80,14 +80,7 @@ def _three_segments(
     *,
     degrees: tuple[int, int, int],
 ) -> Trajectory:
-    vias = checked_points(profile, points, exactly=4)
-    instants = checked_via_times(times, vias)
-    rest = np.zeros(vias.shape[1])
-    conditions = through(instants, vias) + at_ends(instants, 1, rest, rest) + at_ends(instants, 2, rest, rest)
-    return Trajectory(
-        position=solve_segments(instants, degrees, 2, conditions),
-        points=vias,
-        times=instants,
-        profile=profile,
-        joint_names=named(joint_names),
-    )
+    vias = Vias.of(profile, points, times, joint_names, exactly=4)
+    rest = np.zeros(vias.n_joints)
+    conditions = through(vias.t, vias.q) + at_ends(vias.t, 1, rest, rest) + at_ends(vias.t, 2, rest, rest)
+    return vias.trajectory(solve_segments(vias.t, degrees, 2, conditions))

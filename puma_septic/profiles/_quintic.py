@@ -7,12 +7,52 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, checked_array
+from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise
-from puma_septic.profiles._vias import checked_points, checked_via_times, named
+from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["quintic_powers", "quintic_segments"]
+__all__ = ["quintic", "quintic_powers", "quintic_segments"]
+
+
+def quintic(
+    points: ArrayLike,
+    times: ArrayLike,
+    *,
+    velocities: ArrayLike | None = None,
+    accelerations: ArrayLike | None = None,
+    joint_names: Sequence[str] | None = None,
+) -> Trajectory:
+    """One quintic per segment, from position, velocity and acceleration at both its ends.
+
+    At rest ``q = q0 + h (10 s^3 - 15 s^4 + 6 s^5)``, the 3-4-5 polynomial: of all motions from rest to rest
+    with continuous acceleration the one with the least integral of jerk^2, ``720 h^2/T^5`` (Flash and Hogan,
+    The Coordination of Arm Movements, 1985; general boundary values: Biagiotti and
+    Melchiorri). The jerk steps at every point. The same curve as `quintic_segments`.
+
+    Parameters
+    ----------
+    points : array_like, shape (k, n_joints)
+        At least two, rad (m for prismatic joints).
+    times : array_like, shape (k,)
+        Strictly increasing, s.
+    velocities, accelerations : array_like, shape (k, n_joints), optional
+        At the points, rad/s and rad/s^2; zero where not given.
+    joint_names : sequence of str, optional
+
+    Raises
+    ------
+    InputError
+        For fewer than two points, times that do not increase, non-finite or misshapen arrays.
+
+    Examples
+    --------
+    >>> from puma_septic import profiles
+    >>> move = profiles.quintic([[0.0], [1.0]], [0.0, 1.0])
+    >>> float(move.extrema(1).max[0])
+    1.875
+    """
+    return _quintics(Vias.of("quintic", points, times, joint_names), velocities, accelerations)
 
 
 def quintic_segments(
@@ -54,20 +94,13 @@ def quintic_segments(
     >>> move(1.0, order=1).tolist()
     [0.0]
     """
-    vias = checked_points("quintic_segments", points)
-    instants = checked_via_times(times, vias)
-    v, a = (
-        np.zeros_like(vias) if given is None else checked_array(name, given, vias.shape, unit=unit)
-        for name, given, unit in (("velocities", velocities, "rad/s"), ("accelerations", accelerations, "rad/s^2"))
-    )
-    powers = quintic_powers(vias[:-1], vias[1:], np.diff(instants), v0=v[:-1], v1=v[1:], a0=a[:-1], a1=a[1:])
-    return Trajectory(
-        position=Piecewise.from_power(instants, powers),
-        points=vias,
-        times=instants,
-        profile="quintic_segments",
-        joint_names=named(joint_names),
-    )
+    return _quintics(Vias.of("quintic_segments", points, times, joint_names), velocities, accelerations)
+
+
+def _quintics(vias: Vias, velocities: ArrayLike | None, accelerations: ArrayLike | None) -> Trajectory:
+    v, a = vias.at_points("velocities", velocities), vias.at_points("accelerations", accelerations)
+    powers = quintic_powers(vias.q[:-1], vias.q[1:], np.diff(vias.t), v0=v[:-1], v1=v[1:], a0=a[:-1], a1=a[1:])
+    return vias.trajectory(Piecewise.from_power(vias.t, powers))
 
 
 def quintic_powers(

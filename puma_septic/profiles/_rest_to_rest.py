@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise
 from puma_septic.profiles._integration import integrated, smooth_series
-from puma_septic.profiles._vias import checked_points, checked_via_times, named
+from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["bang_bang", "cycloidal", "harmonic", "modified_sine", "modified_trapezoidal"]
@@ -173,19 +173,12 @@ def _stopping(
     profile: str, points: ArrayLike, times: ArrayLike, law: Piecewise, joint_names: Sequence[str] | None
 ) -> Trajectory:
     """The law, scaled to every segment and joint."""
-    vias = checked_points(profile, points)
-    instants = checked_via_times(times, vias)
-    inner = instants[:-1, None] * (1 - law.breaks[:-1]) + instants[1:, None] * law.breaks[:-1]
+    vias = Vias.of(profile, points, times, joint_names)
+    inner = vias.t[:-1, None] * (1 - law.breaks[:-1]) + vias.t[1:, None] * law.breaks[:-1]
     pieces = len(law.breaks) - 1
-    series = np.tile(law.coefficients, (1, len(vias) - 1, 1)) * np.repeat(np.diff(vias, axis=0), pieces, axis=0)
-    series[0] += np.repeat(vias[:-1], pieces, axis=0)
-    return Trajectory(
-        position=Piecewise(breaks=np.append(inner.ravel(), instants[-1]), coefficients=series),
-        points=vias,
-        times=instants,
-        profile=profile,
-        joint_names=named(joint_names),
-    )
+    series = np.tile(law.coefficients, (1, len(vias.q) - 1, 1)) * np.repeat(np.diff(vias.q, axis=0), pieces, axis=0)
+    series[0] += np.repeat(vias.q[:-1], pieces, axis=0)
+    return vias.trajectory(Piecewise(breaks=np.append(inner.ravel(), vias.t[-1]), coefficients=series))
 
 
 def _from_jerk(breaks: Array, jerks: Sequence[Callable[[Array], Array]], start_acceleration: float = 0.0) -> Piecewise:

@@ -2,36 +2,63 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
 
-from puma_septic.checks import Array
+from puma_septic.checks import Array, read_only
 from puma_septic.errors import InputError
-from puma_septic.piecewise import Piecewise
+from puma_septic.piecewise import Piecewise, matrices
 
-__all__ = ["Condition", "at_ends", "solve_segments", "through"]
+__all__ = ["ALLOWED_DOUBT", "Condition", "at_ends", "ill_conditioned", "irregular_signs", "solve_segments", "through"]
 
-# (time in s, order of the derivative, value of shape (n_joints,))
-Condition = tuple[float, int, Array]
-# Parts of an equation: (segment, its coefficients' factors).
-_Row = list[tuple[int, Array]]
-# Largest correction by refinement, relative to the movement, that leaves positions right to 1e-9: refinement
-# does not see the rounding of the times themselves, which was measured (against rational arithmetic) to cost
-# up to 60 times more.
-_ALLOWED_DOUBT = 1e-11
+_EPS = np.finfo(np.float64).eps
+# Largest uncertainty of a position, relative to the movement, with which a spline is made.
+ALLOWED_DOUBT = 1e-9
+_ROOT_EPS = _EPS**0.5
+_REFINEMENTS = 8
+_CHUNK = 2048
+
+
+class Condition(NamedTuple):
+    """A derivative takes the given rows, shape (k, n_joints), at the given times, shape (k,)."""
+
+    times: Array
+    order: int
+    values: Array
+
+
+class _Equations(NamedTuple):
+    """One equation a row: factors (N, 2 (degree + 1)) of the coefficients of segment `first` and the next."""
+
+    first: NDArray[np.int64]
+    factors: Array
+
+    def times(self, coefficients: Array) -> Array:
+        """The left-hand sides for coefficients (n (degree + 1), m)."""
+        width = self.factors.shape[1]
+        padded = np.concatenate([coefficients, np.zeros_like(coefficients[: width // 2])])
+        columns = (width // 2) * self.first[:, None] + np.arange(width)
+        total = np.empty((len(columns), coefficients.shape[1]), dtype=coefficients.dtype)
+        # In chunks: what is gathered at once would be larger than all coefficients.
+        for start in range(0, len(columns), _CHUNK):
+            rows = slice(start, start + _CHUNK)
+            np.einsum("rk,rkm->rm", self.factors[rows], padded[columns[rows]], out=total[rows])
+        return total
 
 
 def through(times: Array, points: Array, order: int = 0) -> list[Condition]:
     """Conditions that a derivative (by default the position) takes the given rows at the given times."""
-    return [(float(t), order, row) for t, row in zip(times, points, strict=True)]
+    return [Condition(times, order, points)]
 
 
 def at_ends(times: Array, order: int, start: Array, end: Array) -> list[Condition]:
     """Conditions on one derivative at the first and the last time."""
-    return [(float(times[0]), order, start), (float(times[-1]), order, end)]
+    return [Condition(times[[0, -1]], order, np.stack([start, end]))]
 
 
 def solve_segments(
@@ -44,7 +71,8 @@ def solve_segments(
     condition is a position. The unknowns are Chebyshev coefficients of each segment's own normalised time and
     every equation is scaled to size one, so that neither the unit of time nor uneven segments spoil the
     digits. Positions are taken relative to the first one: the coefficients of a joint that does not move come
-    out exactly zero. One dense system, solved by LU: meant for up to a few hundred segments.
+    out exactly zero. In the order of their times the equations form a band, so that time and memory grow with
+    the number of segments.
 
     Parameters
     ----------
@@ -54,88 +82,151 @@ def solve_segments(
     conditions : sequence of Condition
         At a break or inside a segment, any order.
 
+    Returns
+    -------
+    Piecewise
+
     Raises
     ------
     InputError
         Where the degree is so high or the times are so uneven that rounding spoils the solution.
     """
-    lengths = np.diff(breaks)
-    first = np.concatenate([[0], np.cumsum(np.asarray(degrees) + 1)])
-    origin = conditions[0][2]
-    rows = _condition_rows(breaks, degrees, conditions) + _continuity_rows(lengths, degrees, continuity)
-    equations = np.zeros((len(rows), first[-1]))
-    for equation, row in zip(equations, rows, strict=True):
-        for i, part in row:
-            equation[first[i] : first[i + 1]] = part
-    values = np.zeros((len(rows), len(origin)))
-    for k, (_, order, value) in enumerate(conditions):
-        values[k] = value if order else value - origin
-    solution, doubt = _solved(equations, values)
-    if doubt > _ALLOWED_DOUBT:
-        raise InputError(
-            f"degree {max(degrees)} with segments of {lengths.min():g} s to {lengths.max():g} s is too"
-            f" ill-conditioned: refining the solution changes it by {doubt:.1e} of the movement, but at most"
-            f" {_ALLOWED_DOUBT:g} lets positions hold to 1e-9; use a lower degree, fewer points in one"
-            " polynomial or more even times"
-        )
-    series = np.zeros((max(degrees) + 1, len(lengths), len(origin)))
-    for i, degree in enumerate(degrees):
-        series[: degree + 1, i] = solution[first[i] : first[i + 1]]
+    lengths, degree = np.diff(breaks), max(degrees)
+    origin = conditions[0].values[0]
+    groups = [_condition_rows(breaks, degree, conditions), _continuity_rows(breaks, degree, continuity)]
+    if min(degrees) < degree:
+        groups.append(_degree_rows(breaks, np.asarray(degrees)))
+    instants, first, factors = (np.concatenate(parts) for parts in zip(*groups, strict=True))
+    values = np.zeros((len(instants), len(origin)))
+    given = np.concatenate([c.values - (0.0 if c.order else origin) for c in conditions])
+    values[: len(given)] = given
+    order = np.argsort(instants, kind="stable")
+    solution, doubt = _solved(_Equations(first[order], factors[order]), values[order])
+    series = solution.reshape(len(lengths), degree + 1, len(origin)).transpose(1, 0, 2)
+    worst = float(np.abs(doubt).reshape(len(lengths), degree + 1, -1).sum(axis=1).max())
+    if not worst <= ALLOWED_DOUBT:
+        raise ill_conditioned(degree, breaks, worst)
     series[0] += origin
     return Piecewise(breaks=breaks, coefficients=series)
 
 
-def _condition_rows(breaks: Array, degrees: Sequence[int], conditions: Sequence[Condition]) -> list[_Row]:
+def ill_conditioned(degree: int, t: Array, doubt: float) -> InputError:
+    """What to say where rounding leaves positions uncertain by `doubt`, relative to the movement."""
+    lengths = np.diff(t)
+    short, longest = int(np.argmin(lengths)), lengths.max()
+    size = f"{doubt:.1e} of the movement" if np.isfinite(doubt) else "more than all of the movement"
+    return InputError(
+        f"times: degree {degree} with segments of {lengths[short]:g} s (segment {short + 1}, {t[short]:.9g} s after the"
+        f" start) to {longest:g} s, a ratio of {longest / lengths[short]:.3g}, is too ill-conditioned: rounding"
+        f" leaves positions uncertain by {size}, but at most {ALLOWED_DOUBT:g} is allowed; use a lower degree, fewer"
+        " points in one polynomial or more even times"
+    )
+
+
+_Rows = tuple[Array, NDArray[np.int64], Array]
+
+
+def _condition_rows(breaks: Array, degree: int, conditions: Sequence[Condition]) -> _Rows:
     """A derivative by time at a time; at a break, of the segment that begins there."""
-    rows: list[_Row] = []
-    for t, order, _ in conditions:
-        i = int(np.searchsorted(breaks[1:-1], t, side="right"))
-        half = (breaks[i + 1] - breaks[i]) / 2
-        row = _derivative_row(degrees[i], order, float((t - breaks[i]) / half - 1))
-        rows.append([(i, row / half**order)])
-    return rows
+    times = np.concatenate([c.times for c in conditions])
+    i = breaks[1:-1].searchsorted(times, side="right")
+    left, length = breaks[i], breaks[i + 1] - breaks[i]
+    rows = np.zeros((len(times), 2 * degree + 2))
+    rows[:, : degree + 1] = chebyshev.chebvander(2 * (times - left) / length - 1, degree)
+    end = 0
+    for count, order in ((len(c.times), c.order) for c in conditions):
+        at, end = slice(end, end + count), end + count
+        if order:
+            rows[at, : degree + 1] @= _derivative(degree, order)
+            rows[at] *= (2 / length[at, None]) ** order
+    return times, i, rows
 
 
-def _continuity_rows(lengths: Array, degrees: Sequence[int], continuity: int) -> list[_Row]:
+def _continuity_rows(breaks: Array, degree: int, continuity: int) -> _Rows:
     """The derivatives of neighbours at their break differ by zero."""
-    rows: list[_Row] = []
-    for i in range(1, len(lengths)):
-        shorter = min(lengths[i - 1], lengths[i])
-        for order in range(continuity + 1):
-            before, after = (shorter / lengths[i - 1]) ** order, (shorter / lengths[i]) ** order
-            left = -before * _derivative_row(degrees[i - 1], order, 1.0)
-            rows.append([(i - 1, left), (i, after * _derivative_row(degrees[i], order, -1.0))])
-    return rows
+    lengths = np.diff(breaks)
+    shorter = np.minimum(lengths[:-1], lengths[1:])[:, None, None]
+    orders = np.arange(continuity + 1)[:, None]
+    end, start = _ends(degree, continuity)
+    before = (shorter / lengths[:-1, None, None]) ** orders * -end
+    after = (shorter / lengths[1:, None, None]) ** orders * start
+    rows = np.concatenate([before, after], axis=2).reshape(-1, 2 * degree + 2)
+    i = np.arange(len(lengths) - 1)
+    return np.repeat(breaks[1:-1], continuity + 1), np.repeat(i, continuity + 1), rows
 
 
-def _solved(equations: Array, values: Array) -> tuple[Array, float]:
-    """The solution, and how far refinement changed it, relative to the largest value asked for.
+def _degree_rows(breaks: Array, degrees: NDArray[np.int64]) -> _Rows:
+    """The coefficients beyond a segment's own degree are zero."""
+    top = int(degrees.max())
+    i, k = np.nonzero(np.arange(top + 1) > degrees[:, None])
+    rows = np.zeros((len(i), 2 * top + 2))
+    rows[np.arange(len(i)), k] = 1.0
+    return (breaks[i] + breaks[i + 1]) / 2, i, rows
 
-    Each equation is scaled to largest coefficient one. One step of iterative refinement, its residual in
-    extended precision, corrects the solution by about its error (Higham, Accuracy and Stability of Numerical
-    Algorithms, 12.1).
+
+def _derivative(degree: int, order: int) -> Array:
+    """The matrix that takes a series to that of its derivative by x; integers, hence exact."""
+    return matrices.state_matrix(degree, order)[order * (degree + 1) :]
+
+
+@lru_cache(maxsize=64)
+def _ends(degree: int, continuity: int) -> tuple[Array, Array]:
+    """Derivatives 0 ... continuity by x of T_0 ... T_degree at x = 1 and -1, each (continuity + 1, degree + 1)."""
+    k, r = np.arange(degree + 1.0), np.arange(continuity + 1)[:, None]
+    end = np.cumprod(np.concatenate([np.ones((1, degree + 1)), (k**2 - r**2) / (2 * r + 1)]), axis=0)[:-1]
+    return read_only(end), read_only(end * (-1.0) ** (k + r))
+
+
+def _solved(equations: _Equations, values: Array) -> tuple[Array, Array]:
+    """The solution, and how far rounding of the equations moves it, relative to the largest value given.
+
+    Each equation is scaled to largest factor one. Iterative refinement, its residual in extended precision,
+    corrects the solution to its last digits (Higham, Accuracy and Stability of Numerical Algorithms, 12.1).
+    What is left is what the rounding of the matrix itself does: ``inv(A) (e |A| |x|)`` with a fixed row of
+    signs e estimates Skeel's bound, which does not depend on how rows are scaled (7.2 there).
     """
-    scale = np.abs(equations).max(axis=1, keepdims=True)
-    matrix, right = equations / scale, values / scale
-    solution = np.linalg.solve(matrix, right)
-    residual = right - matrix.astype(np.longdouble) @ solution.astype(np.longdouble)
-    correction = np.linalg.solve(matrix, residual.astype(np.float64))
+    scale = np.abs(equations.factors).max(axis=1, keepdims=True)
+    scaled, right = _Equations(equations.first, equations.factors / scale), values / scale
+    solve = _factorised(scaled)
+    extended = _Equations(scaled.first, scaled.factors.astype(np.longdouble))
+    solution = np.zeros_like(right)
+    change = np.inf
+    for _ in range(_REFINEMENTS):
+        residual = right - extended.times(solution.astype(np.longdouble)) if solution.any() else right
+        correction = solve(residual.astype(np.float64))
+        before, change = change, float(np.abs(correction).max())
+        if not change < before:
+            break
+        solution = solution + correction
+        # Each correction is smaller than the one before by its own relative size.
+        if change <= _ROOT_EPS * np.abs(solution).max():
+            break
+    size = _Equations(scaled.first, np.abs(scaled.factors)).times(np.abs(solution)) + np.abs(right)
     largest = np.abs(right).max(axis=0)
-    doubt = np.abs(correction).max(axis=0) / np.where(largest > 0, largest, 1.0)
-    return np.asarray(solution + correction), float(doubt.max())
+    doubt = solve(_EPS * irregular_signs(len(size)) * size) / np.where(largest > 0, largest, 1.0)
+    return solution, doubt
 
 
-@lru_cache(maxsize=1024)
-def _derivative_row(degree: int, order: int, x: float) -> Array:
-    """Derivatives by x of T_0 ... T_degree at x, shape (degree + 1,); exact at both ends."""
-    k = np.arange(degree + 1.0)
-    if abs(x) == 1.0:
-        # T_k^(r)(1) = prod (k^2 - i^2) / (2 i + 1) over i < r; at -1 with alternating signs.
-        row = np.ones(degree + 1)
-        for i in range(order):
-            row *= (k**2 - i**2) / (2 * i + 1)
-        row = row if x > 0 else row * (-1.0) ** (np.arange(degree + 1) + order)
-    else:
-        row = np.asarray(chebyshev.chebval(x, chebyshev.chebder(np.eye(degree + 1), order)))
-    row.setflags(write=False)
-    return row
+def irregular_signs(count: int) -> Array:
+    """A fixed column of signs without a pattern that a matrix could share."""
+    return np.where(np.cos(np.arange(count) ** 2.0) < 0, -1.0, 1.0)[:, None]
+
+
+def _factorised(equations: _Equations) -> Callable[[Array], Array]:
+    """Solver of the banded system by LU with partial pivoting, LAPACK's gbtrf and gbtrs."""
+    # SciPy takes as long to load as NumPy; most profiles do without it.
+    from scipy.linalg import lapack
+
+    row, k = np.nonzero(equations.factors)
+    column = equations.first[row] * (equations.factors.shape[1] // 2) + k
+    below, above = max(int((row - column).max()), 0), max(int((column - row).max()), 0)
+    bands = np.zeros((2 * below + above + 1, len(equations.first)), order="F")
+    bands[below + above + row - column, column] = equations.factors[row, k]
+    factors, pivots, info = lapack.dgbtrf(bands, below, above, overwrite_ab=True)
+
+    def solve(right: Array) -> Array:
+        if info:  # singular
+            return np.full_like(right, np.nan)
+        return np.asarray(lapack.dgbtrs(factors, below, above, right, pivots)[0])
+
+    return solve

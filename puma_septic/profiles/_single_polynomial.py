@@ -1,16 +1,23 @@
-"""The paper's septic for any number of points: one polynomial whose degree grows with them."""
+"""One polynomial through all points, at any number of them: the paper's septic is the one of four."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.profiles._segments import at_ends, solve_segments, through
-from puma_septic.profiles._vias import boundary, checked_points, checked_via_times, named
+from puma_septic.checks import Array, read_only
+from puma_septic.piecewise import Piecewise
+from puma_septic.piecewise.matrices import basis_at, end_derivatives, signs
+from puma_septic.profiles._segments import ALLOWED_DOUBT, ill_conditioned, irregular_signs
+from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["single_polynomial"]
+__all__ = ["single_polynomial", "through_all"]
+
+_EPS = np.finfo(np.float64).eps
 
 
 def single_polynomial(
@@ -42,11 +49,16 @@ def single_polynomial(
         Shape () or (n_joints,), rad/s and rad/s^2; zero where not given.
     joint_names : sequence of str, optional
 
+    Returns
+    -------
+    Trajectory
+        One interval, of degree k + 3.
+
     Raises
     ------
     InputError
-        For fewer than two points, so many that rounding spoils the digits, times that do not increase,
-        non-finite or misshapen arrays.
+        For fewer than two points, so many or so unevenly timed ones that rounding spoils the digits, times that
+        do not increase, non-finite or misshapen arrays.
 
     Examples
     --------
@@ -55,24 +67,53 @@ def single_polynomial(
     >>> move.position.degree
     8
     """
-    vias = checked_points("single_polynomial", points)
-    instants = checked_via_times(times, vias)
-    v0, v1 = (
-        boundary(name, value, vias.shape[1], "rad/s")
-        for name, value in (("start_velocity", start_velocity), ("end_velocity", end_velocity))
+    vias = Vias.of("single_polynomial", points, times, joint_names)
+    return through_all(
+        vias,
+        start_velocity=start_velocity,
+        end_velocity=end_velocity,
+        start_acceleration=start_acceleration,
+        end_acceleration=end_acceleration,
     )
-    a0, a1 = (
-        boundary(name, value, vias.shape[1], "rad/s^2")
-        for name, value in (
-            ("start_acceleration", start_acceleration),
-            ("end_acceleration", end_acceleration),
-        )
-    )
-    conditions = through(instants, vias) + at_ends(instants, 1, v0, v1) + at_ends(instants, 2, a0, a1)
-    return Trajectory(
-        position=solve_segments(instants[[0, -1]], [len(vias) + 3], -1, conditions),
-        points=vias,
-        times=instants,
-        profile="single_polynomial",
-        joint_names=named(joint_names),
-    )
+
+
+def through_all(vias: Vias, **ends: ArrayLike | None) -> Trajectory:
+    """The polynomial through the vias; `ends` are velocity at start and end, acceleration at start and end."""
+    values = np.array([vias.boundary(name, value) for name, value in ends.items()])
+    series, doubt = _interpolated(vias.q - vias.q[0], vias.t, values)
+    if not doubt <= ALLOWED_DOUBT:
+        raise ill_conditioned(len(series) - 1, vias.t, doubt)
+    series[0] += vias.q[0]
+    return vias.trajectory(Piecewise(breaks=vias.t[[0, -1]], coefficients=series[:, None, :]))
+
+
+def _interpolated(points: Array, t: Array, ends: Array) -> tuple[Array, float]:
+    """Chebyshev coefficients (k + 4, n_joints), and how far rounding moves them, relative to the movement.
+
+    With points relative to the first, a joint that does not move gets coefficients that are exactly zero. One step
+    of refinement corrects the solution by its error; the doubt is what rounding of each entry of the system does to
+    the solution, see `solve_segments`.
+    """
+    half = t[-1] / 2
+    x = t / half - 1
+    x[-1] = 1.0
+    matrix = np.concatenate([basis_at(x, len(points) + 3).T, _end_conditions(len(points) + 3)])
+    right = np.concatenate([points, half ** np.array([[1.0], [1.0], [2.0], [2.0]]) * ends])
+    try:
+        inverse = np.linalg.inv(matrix)
+    except np.linalg.LinAlgError:  # two times are the same, to rounding
+        return np.zeros_like(right), np.inf
+    series = inverse @ right
+    series += inverse @ (right - matrix.astype(np.longdouble) @ series).astype(np.float64)
+    size = np.abs(matrix) @ np.abs(series) + np.abs(right)
+    off = np.abs(inverse @ (_EPS * irregular_signs(len(size)) * size)).sum(axis=0)
+    largest = np.abs(right).max(axis=0)
+    return series, float((off / np.where(largest > 0, largest, 1.0)).max())
+
+
+@lru_cache(maxsize=16)
+def _end_conditions(degree: int) -> Array:
+    """First derivative of the basis at x = -1 and 1, then the second, shape (4, degree + 1)."""
+    _, slope, curvature, _ = end_derivatives(degree)
+    sign = signs(degree)
+    return read_only([-sign * slope, slope, sign * curvature, curvature])

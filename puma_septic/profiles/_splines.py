@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from puma_septic.checks import Array, checked_array
 from puma_septic.errors import InputError
 from puma_septic.profiles._segments import at_ends, solve_segments, through
-from puma_septic.profiles._vias import boundary, checked_points, checked_via_times, named
+from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["cubic_spline", "cubic_spline_free_knots", "quintic_spline", "septic_spline"]
@@ -56,18 +56,11 @@ def cubic_spline(
     >>> float(move(1.5, order=1)[0])
     45.0
     """
-    vias = checked_points("cubic_spline", points)
-    instants = checked_via_times(times, vias)
-    start = boundary("start_velocity", start_velocity, vias.shape[1], "rad/s")
-    end = boundary("end_velocity", end_velocity, vias.shape[1], "rad/s")
-    conditions = through(instants, vias) + at_ends(instants, 1, start, end)
-    return Trajectory(
-        position=solve_segments(instants, [3] * (len(vias) - 1), 2, conditions),
-        points=vias,
-        times=instants,
-        profile="cubic_spline",
-        joint_names=named(joint_names),
-    )
+    vias = Vias.of("cubic_spline", points, times, joint_names)
+    start = vias.boundary("start_velocity", start_velocity)
+    end = vias.boundary("end_velocity", end_velocity)
+    conditions = through(vias.t, vias.q) + at_ends(vias.t, 1, start, end)
+    return vias.trajectory(solve_segments(vias.t, [3] * (len(vias.q) - 1), 2, conditions))
 
 
 def cubic_spline_free_knots(
@@ -108,34 +101,27 @@ def cubic_spline_free_knots(
     >>> move.breaks.tolist(), move([0.0, 2.0], order=2).round(12).ravel().tolist()
     ([0.0, 0.5, 1.0, 1.5, 2.0], [0.0, 0.0])
     """
-    vias = checked_points("cubic_spline_free_knots", points, at_least=3)
-    instants = checked_via_times(times, vias)
-    knots = _free_knots(instants, free_knots)
-    breaks = np.sort(np.concatenate([instants, knots]))
-    rest = np.zeros(vias.shape[1])
-    conditions = through(instants, vias) + at_ends(instants, 1, rest, rest) + at_ends(instants, 2, rest, rest)
-    return Trajectory(
-        position=solve_segments(breaks, [3] * (len(breaks) - 1), 2, conditions),
-        points=vias,
-        times=instants,
-        profile="cubic_spline_free_knots",
-        joint_names=named(joint_names),
-    )
+    vias = Vias.of("cubic_spline_free_knots", points, times, joint_names, at_least=3)
+    knots = _free_knots(vias, free_knots)
+    breaks = np.sort(np.concatenate([vias.t, knots]))
+    rest = np.zeros(vias.n_joints)
+    conditions = through(vias.t, vias.q) + at_ends(vias.t, 1, rest, rest) + at_ends(vias.t, 2, rest, rest)
+    return vias.trajectory(solve_segments(breaks, [3] * (len(breaks) - 1), 2, conditions))
 
 
-def _free_knots(times: Array, given: ArrayLike | None) -> Array:
-    """The two free knots, each inside its segment."""
+def _free_knots(vias: Vias, given: ArrayLike | None) -> Array:
+    """The two free knots, each inside its segment, since the first point."""
     if given is None:
-        return (times[[0, -2]] + times[[1, -1]]) / 2
+        return np.asarray(0.5 * (vias.t[[0, -2]] + vias.t[[1, -1]]))
     knots = checked_array("free_knots", given, (2,), unit="s")
-    for i, (left, right) in enumerate((times[:2], times[-2:])):
+    for i, (left, right) in enumerate((vias.times[:2], vias.times[-2:])):
         if not left < knots[i] < right:
             which = "last" if i else "first"
             raise InputError(
                 f"free_knots[{i}] = {knots[i]:g} s must lie inside the {which} segment,"
                 f" between {left:g} and {right:g} s"
             )
-    return knots
+    return np.asarray(knots - vias.times[0])
 
 
 def quintic_spline(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | None = None) -> Trajectory:
@@ -204,16 +190,9 @@ def _rest_spline(
     profile: str, points: ArrayLike, times: ArrayLike, joint_names: Sequence[str] | None, *, order: int
 ) -> Trajectory:
     """The spline of degree 2 order + 1 whose derivatives up to `order` vanish at both ends."""
-    vias = checked_points(profile, points)
-    instants = checked_via_times(times, vias)
-    rest = np.zeros(vias.shape[1])
-    conditions = through(instants, vias)
+    vias = Vias.of(profile, points, times, joint_names)
+    rest = np.zeros(vias.n_joints)
+    conditions = through(vias.t, vias.q)
     for k in range(1, order + 1):
-        conditions += at_ends(instants, k, rest, rest)
-    return Trajectory(
-        position=solve_segments(instants, [2 * order + 1] * (len(vias) - 1), 2 * order, conditions),
-        points=vias,
-        times=instants,
-        profile=profile,
-        joint_names=named(joint_names),
-    )
+        conditions += at_ends(vias.t, k, rest, rest)
+    return vias.trajectory(solve_segments(vias.t, [2 * order + 1] * (len(vias.q) - 1), 2 * order, conditions))

@@ -1,21 +1,146 @@
-"""What every profile checks at its door."""
+"""The points and times that a profile is given: checked once, its times relative to the first."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, checked_array, checked_times
+from puma_septic.checks import Array, checked_array, checked_times, read_only
 from puma_septic.errors import InputError
+from puma_septic.piecewise import Piecewise
+from puma_septic.trajectory import Trajectory
 
-__all__ = ["boundary", "checked_points", "checked_via_times", "joint_labels", "named"]
+__all__ = ["Vias", "boundary", "checked_points", "joint_labels", "named"]
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Vias:
+    """What a profile leads through, and what its trajectory is told besides the position.
+
+    A profile computes with `t`, which begins at 0, so that one that begins at a late time (stamps since 1970,
+    say) loses no digits; `trajectory` sets the result at its time.
+
+    Attributes
+    ----------
+    profile : str
+        The family, as messages and the trajectory call it.
+    q : ndarray, shape (k, n_joints)
+        Points, in each joint's own unit: rad, or m where it is prismatic.
+    t : ndarray, shape (k,)
+        Times since the first point, s.
+    times : ndarray, shape (k,)
+        As they were given, s.
+    joint_names : tuple of str
+        Empty where none are given.
+    """
+
+    profile: str
+    q: Array
+    t: Array
+    times: Array
+    joint_names: tuple[str, ...]
+
+    @classmethod
+    def of(
+        cls,
+        profile: str,
+        points: ArrayLike,
+        times: ArrayLike,
+        joint_names: Sequence[str] | None = None,
+        *,
+        at_least: int = 2,
+        exactly: int | None = None,
+    ) -> Vias:
+        """Points and times that pass the checks which every profile makes at its door.
+
+        Parameters
+        ----------
+        profile : str
+        points : array_like, shape (k, n_joints)
+        times : array_like, shape (k,)
+            Strictly increasing, s.
+        joint_names : sequence of str, optional
+        at_least, exactly : int
+            How many points the profile needs.
+
+        Returns
+        -------
+        Vias
+
+        Raises
+        ------
+        InputError
+            For too few points or too many, times that do not increase or do not number as many, non-finite or
+            misshapen arrays.
+        """
+        q = checked_points(profile, points, at_least=at_least, exactly=exactly)
+        instants = checked_times("times", times)
+        if len(instants) != len(q):
+            raise InputError(f"times: {len(instants)} times for {len(q)} points; one for each is needed")
+        t = instants - instants[0]
+        if not (t[1:] > t[:-1]).all():
+            k = int(np.argmin(t[1:] > t[:-1]))
+            raise InputError(
+                f"times: times[{k}] = {instants[k]:.17g} s and times[{k + 1}] = {instants[k + 1]:.17g} s are too close"
+                f" to each other to be told apart in the {t[-1]:g} s since the first"
+            )
+        return cls(profile=profile, q=q, t=t, times=instants, joint_names=named(joint_names))
+
+    def __post_init__(self) -> None:
+        for name in ("q", "t", "times"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+    @property
+    def n_joints(self) -> int:
+        """Number of joints."""
+        return int(self.q.shape[1])
+
+    @property
+    def labels(self) -> list[str]:
+        """How messages call the joints."""
+        return joint_labels(self.joint_names, self.n_joints)
+
+    def boundary(self, name: str, value: ArrayLike | None) -> Array:
+        """A boundary value per joint, shape (n_joints,): None is zero, a scalar holds for all joints."""
+        return boundary(name, value, self.n_joints)
+
+    def at_points(self, name: str, value: ArrayLike | None) -> Array:
+        """A value per point and joint, shape (k, n_joints); zeros where none is given."""
+        return np.zeros_like(self.q) if value is None else checked_array(name, value, self.q.shape)
+
+    def trajectory(self, position: Piecewise) -> Trajectory:
+        """The trajectory of a position over the time since the first point.
+
+        Parameters
+        ----------
+        position : Piecewise
+            Breaks from 0 to ``t[-1]``.
+
+        Returns
+        -------
+        Trajectory
+        """
+        if self.times[0] != 0.0:
+            breaks = self.times[0] + position.breaks
+            breaks[-1] = self.times[-1]
+            position = Piecewise(breaks=breaks, coefficients=position.coefficients)
+        return Trajectory(
+            position=position,
+            points=self.q,
+            times=self.times,
+            profile=self.profile,
+            joint_names=self.joint_names,
+        )
 
 
 def checked_points(profile: str, points: ArrayLike, *, at_least: int = 2, exactly: int | None = None) -> Array:
     """Via points (k, n_joints) with as many rows as the profile needs."""
-    array = checked_array("points", points, (None, None), unit="rad")
+    array = checked_array("points", points, (None, None))
     if array.shape[1] == 0:
         raise InputError("points: at least one joint (column) is needed")
     if exactly is not None and len(array) != exactly:
@@ -25,21 +150,13 @@ def checked_points(profile: str, points: ArrayLike, *, at_least: int = 2, exactl
     return array
 
 
-def checked_via_times(times: ArrayLike, points: Array) -> Array:
-    """One strictly increasing time for each point, s."""
-    array = checked_times("times", times)
-    if len(array) != len(points):
-        raise InputError(f"times: {len(array)} times for {len(points)} points; one for each is needed")
-    return array
-
-
-def boundary(name: str, value: ArrayLike | None, n_joints: int, unit: str) -> Array:
+def boundary(name: str, value: ArrayLike | None, n_joints: int) -> Array:
     """A boundary value per joint: None is zero, a scalar holds for all joints."""
     if value is None:
         return np.zeros(n_joints)
     if np.ndim(value) == 0:
-        return np.full(n_joints, float(checked_array(name, value, (), unit=unit)))
-    return checked_array(name, value, (n_joints,), unit=unit)
+        return np.full(n_joints, float(checked_array(name, value, ())))
+    return checked_array(name, value, (n_joints,))
 
 
 def named(joint_names: Sequence[str] | None) -> tuple[str, ...]:
@@ -50,5 +167,5 @@ def named(joint_names: Sequence[str] | None) -> tuple[str, ...]:
 
 
 def joint_labels(joint_names: Sequence[str], n_joints: int) -> list[str]:
-    """By name, or by number from 1 where there are no names."""
+    """How messages call the joints: by name, or by number from 1 where there are no names."""
     return [f"joint {name!r}" for name in joint_names] or [f"joint {j + 1}" for j in range(n_joints)]

@@ -22,8 +22,8 @@ from scipy.sparse.linalg import spsolve
 from puma_septic.checks import Array, checked_array
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
-from puma_septic.profiles._hermite import quintic
-from puma_septic.profiles._vias import boundary, checked_points, checked_via_times, joint_labels, named
+from puma_septic.profiles._quintic import quintic
+from puma_septic.profiles._vias import Vias
 from puma_septic.profiles.log_files import JointLog, read_csv_trajectory
 from puma_septic.trajectory import Trajectory
 
@@ -93,8 +93,8 @@ def fit_trajectory(
     >>> bool(fit_residual(move).max[0] < 1e-14)
     True
     """
-    samples = checked_points("fit_trajectory", q)
-    times = checked_via_times(t, samples)
+    vias = Vias.of("fit_trajectory", q, t, joint_names)
+    samples, times = vias.q, vias.times
     known = [
         None if given is None else checked_array(name, given, samples.shape, unit=unit)
         for name, given, unit in (("v", v, "rad/s"), ("a", a, "rad/s^2"))
@@ -104,8 +104,8 @@ def fit_trajectory(
     if a is not None and v is None:
         raise InputError("a is given without v; accelerations need the velocities too")
     if smoothing is not None:
-        allowed = boundary("smoothing", smoothing, samples.shape[1], "rad")
-        position = _smoothed(times, samples, allowed, joint_labels(named(joint_names), len(allowed)))
+        allowed = vias.boundary("smoothing", smoothing)
+        position = _smoothed(times, samples, allowed, vias.labels)
     elif known[0] is not None:
         accelerations = _smooth_jerk(times, samples, known[0]) if known[1] is None else known[1]
         position = quintic(samples, times, velocities=known[0], accelerations=accelerations).position
@@ -118,7 +118,7 @@ def fit_trajectory(
         points=samples,
         times=times,
         profile="fit_trajectory",
-        joint_names=named(joint_names),
+        joint_names=vias.joint_names,
     )
 
 

@@ -18,8 +18,10 @@ __all__ = ["double_s"]
 
 # A duration is met to this part of it.
 _SAME_DURATION = 1e-12
-# Below this part of the whole duration a phase's length is off by more than 2e-11 of it, from rounding its instants.
-_SHORT = 1e-5
+# The most that rounding was seen to shorten a phase by, doubled, in roundings of the whole duration; and the part of it
+# below which that is more than 2e-11 of the phase.
+_ROUNDINGS = 8
+_SHORT = 1e-4
 # A change of velocity below this part of the limit is rounding.
 _NO_CHANGE = 1e-12
 # A profile does not know which joints slide.
@@ -262,14 +264,16 @@ def _slower_cruise(move: _Move, duration: float, label: str, slowest: str) -> fl
 def _timed(segments: Sequence[_Plan]) -> Phases:
     """All phases in a row, on common breaks.
 
-    Rounding of the instants may shorten a phase by a rounding of the whole duration, and with it raise the jerk of a
-    very short one beyond its limit: such a phase is made longer by two.
+    Rounding of the instants, and joints that turn round at the same one but for rounding, may shorten a phase by some
+    roundings of the whole duration, and with it raise the jerk of a very short one beyond its limit: such a phase is
+    made longer by as many.
     """
     lengths = np.stack([segment.lengths for segment in segments])
     total = lengths[:, :, 0].sum()
-    short = (lengths > 0) & (lengths < _SHORT * total)
-    short[:, [1, 3, 5]] = False
-    lengths = lengths + 2 * np.spacing(total) * short
+    ramps = lengths[:, [0, 2, 4, 6]]
+    is_short = ((ramps > 0) & (ramps < _SHORT * total)).any(axis=(1, 2), keepdims=True)
+    # In all joints alike: those that turn round together must do so to the last digit.
+    lengths[:, [0, 2, 4, 6]] += _ROUNDINGS * np.spacing(total) * (is_short & (ramps > 0))
     durations = lengths.sum(axis=1).max(axis=1)
     ends = np.cumsum(durations)
     within = np.cumsum(lengths, axis=1)[:, :-1]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -269,11 +271,14 @@ def test_rounding_is_no_step(family: str, seed: int) -> None:
 @given(seed=seeds, part=st.sampled_from([1e-6, 1e-4, 1e-2]))
 @hypothesis_settings(max_examples=10)
 def test_a_small_step_is_one(seed: int, part: float) -> None:
-    """A motion that is cut off a little before its end stops with a jerk of the arm."""
+    """A motion that is cut off a little before its end stops with a jerk of the arm, where the arm is at rest after it."""
     points, times = random_points(seed, n=1)
     v = np.zeros((4, 1))
     v[-1] = part
-    jumps = ps.quintic_segments(points, times, velocities=v).jumps(1)
+    move = ps.quintic_segments(points, times, velocities=v)
+    assert move.rest_before
+    assert not move.rest_after
+    jumps = replace(move, rest_after=True).jumps(1)
     assert jumps.times.tolist() == [times[-1]]
     np.testing.assert_allclose(jumps.sizes, [[-part]], rtol=1e-6)
 

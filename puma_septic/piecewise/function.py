@@ -254,7 +254,9 @@ class Piecewise:
         """Values at times t: shape () gives (m,), shape (k,) gives (k, m); outside the span is an InputError."""
         times = np.asarray(t, dtype=np.float64)
         flat = times.reshape(-1)
-        inside = (flat >= self.breaks[0]) & (flat <= self.breaks[-1])
+        # The end is the start plus the duration, rounded: the end that somebody gave may be a rounding beyond.
+        slack = np.spacing(max(abs(self.start), abs(self.breaks[-1])))
+        inside = (flat >= self.start) & (flat <= self.breaks[-1] + slack)
         if not inside.all():
             worst = flat[np.argmin(inside)]
             raise InputError(f"t = {worst:.9g} s is outside the span [{self.breaks[0]:.9g}, {self.breaks[-1]:.9g}] s")

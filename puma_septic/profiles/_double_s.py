@@ -113,7 +113,8 @@ def double_s(
     phases = _timed(segments)
     _check_resolved(phases, segments, bounds, labels)
     vias = Vias.of("double_s", q, phases.starts[::7, 0], names)
-    return vias.trajectory(side_by_side(phases, _powers(vias, velocities, phases, segments)))
+    position = side_by_side(phases, _powers(vias, velocities, phases, segments))
+    return vias.trajectory(position, start=velocities[0], end=velocities[-1])
 
 
 def _limit(name: str, value: ArrayLike | None, labels: Sequence[str], unit: str) -> Array:

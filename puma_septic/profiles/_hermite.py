@@ -113,6 +113,7 @@ def from_boundary_values(
     vias = Vias.of(profile, points, times, joint_names)
     names = ("velocities", "accelerations", "jerks")
     known = [vias.at_points(name, given) for name, given in zip(names, derivatives, strict=False)]
+    moving = known[:2]  # a jerk alone does not contradict rest
     T = np.diff(vias.t)[:, None]
     # Relative to each segment's start, so that a joint that does not move has coefficients that are exactly
     # zero.
@@ -120,7 +121,8 @@ def from_boundary_values(
     end = [np.diff(vias.q, axis=0), *(x[1:] * T ** (k + 1) for k, x in enumerate(known))]
     series = np.tensordot(laws, np.stack(start + end), 1)
     series[0] += vias.q[:-1]
-    return vias.trajectory(Piecewise(breaks=vias.t, coefficients=series))
+    position = Piecewise(breaks=vias.t, coefficients=series)
+    return vias.trajectory(position, start=[x[0] for x in moving], end=[x[-1] for x in moving])
 
 
 @lru_cache(maxsize=4)

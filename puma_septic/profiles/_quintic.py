@@ -100,7 +100,7 @@ def quintic_segments(
 def _quintics(vias: Vias, velocities: ArrayLike | None, accelerations: ArrayLike | None) -> Trajectory:
     v, a = vias.at_points("velocities", velocities), vias.at_points("accelerations", accelerations)
     powers = quintic_powers(vias.q[:-1], vias.q[1:], np.diff(vias.t), v0=v[:-1], v1=v[1:], a0=a[:-1], a1=a[1:])
-    return vias.trajectory(Piecewise.from_power(vias.t, powers))
+    return vias.trajectory(Piecewise.from_power(vias.t, powers), start=[v[0], a[0]], end=[v[-1], a[-1]])
 
 
 def quintic_powers(

@@ -84,7 +84,8 @@ def through_all(vias: Vias, **ends: ArrayLike | None) -> Trajectory:
     if not doubt <= ALLOWED_DOUBT:
         raise ill_conditioned(len(series) - 1, vias.t, doubt)
     series[0] += vias.q[0]
-    return vias.trajectory(Piecewise(breaks=vias.t[[0, -1]], coefficients=series[:, None, :]))
+    position = Piecewise(breaks=vias.t[[0, -1]], coefficients=series[:, None, :])
+    return vias.trajectory(position, start=values[::2], end=values[1::2])
 
 
 def _interpolated(points: Array, t: Array, ends: Array) -> tuple[Array, float]:

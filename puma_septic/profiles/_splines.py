@@ -60,7 +60,8 @@ def cubic_spline(
     start = vias.boundary("start_velocity", start_velocity)
     end = vias.boundary("end_velocity", end_velocity)
     conditions = through(vias.t, vias.q) + at_ends(vias.t, 1, start, end)
-    return vias.trajectory(solve_segments(vias.t, [3] * (len(vias.q) - 1), 2, conditions))
+    position = solve_segments(vias.t, [3] * (len(vias.q) - 1), 2, conditions)
+    return vias.trajectory(position, start=start, end=end)
 
 
 def cubic_spline_free_knots(

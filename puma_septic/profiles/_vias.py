@@ -113,28 +113,29 @@ class Vias:
         """A value per point and joint, shape (k, n_joints); zeros where none is given."""
         return np.zeros_like(self.q) if value is None else checked_array(name, value, self.q.shape)
 
-    def trajectory(self, position: Piecewise) -> Trajectory:
+    def trajectory(self, position: Piecewise, *, start: ArrayLike = 0.0, end: ArrayLike = 0.0) -> Trajectory:
         """The trajectory of a position over the time since the first point.
 
         Parameters
         ----------
         position : Piecewise
             Breaks from 0 to ``t[-1]``.
+        start, end : array_like
+            Velocities and accelerations given there, of any shape: where one is not zero, the trajectory is part of a
+            longer motion, and the arm is not at rest before or after it.
 
         Returns
         -------
         Trajectory
         """
-        if self.times[0] != 0.0:
-            breaks = self.times[0] + position.breaks
-            breaks[-1] = self.times[-1]
-            position = Piecewise(breaks=breaks, coefficients=position.coefficients)
         return Trajectory(
-            position=position,
+            position=position.shifted(self.times[0]) if self.times[0] else position,
             points=self.q,
             times=self.times,
             profile=self.profile,
             joint_names=self.joint_names,
+            rest_before=not np.any(start),
+            rest_after=not np.any(end),
         )
 
 

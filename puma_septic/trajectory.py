@@ -249,10 +249,20 @@ class Trajectory:
         above, below = reach.max - self.points.max(axis=0), self.points.min(axis=0) - reach.min
         excess = np.maximum(above, below)
         # Visiting the outermost via itself, to rounding, is no overshoot.
-        return np.where(excess > _SAME * np.abs(self.points).max(axis=0), excess, 0.0)
+        return np.where(excess > self._position_rounding, excess, 0.0)
 
     @property
     def via_miss(self) -> Array:
         """Largest distance of each joint from a via point at its time, rad, shape (n_joints,)."""
         miss = np.abs(self(self.times) - self.points).max(axis=0)
-        return np.where(miss > _SAME * (1 + np.abs(self.points).max(axis=0)), miss, 0.0)
+        return np.where(miss > _SAME + self._position_rounding, miss, 0.0)
+
+    @property
+    def _position_rounding(self) -> Array:
+        """What rounding of the series and of a time makes of a position, rad, shape (n_joints,).
+
+        A polynomial that swings far beyond its points is rounded as large as it swings; an instant is rounded to a part
+        of the whole duration, in which the joint moves on.
+        """
+        size, speed = (np.abs(self.derivative(order).coefficients).sum(axis=0).max(axis=0) for order in (0, 1))
+        return np.asarray(_SAME * size + 4 * np.spacing(self.duration) * speed)

@@ -271,7 +271,7 @@ def test_rounding_is_no_step(family: str, seed: int) -> None:
 @given(seed=seeds, part=st.sampled_from([1e-6, 1e-4, 1e-2]))
 @hypothesis_settings(max_examples=10)
 def test_a_small_step_is_one(seed: int, part: float) -> None:
-    """A motion that is cut off a little before its end stops with a jerk of the arm, where the arm is at rest after it."""
+    """A motion that is cut off before its end, and at rest after it, stops with a jerk of the arm."""
     points, times = random_points(seed, n=1)
     v = np.zeros((4, 1))
     v[-1] = part

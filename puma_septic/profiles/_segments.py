@@ -14,13 +14,14 @@ from puma_septic.checks import Array, read_only
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise, matrices
 
-__all__ = ["ALLOWED_DOUBT", "Condition", "at_ends", "ill_conditioned", "irregular_signs", "solve_segments", "through"]
+__all__ = ["ALLOWED_DOUBT", "Condition", "at_ends", "ill_conditioned", "refined", "solve_segments", "through"]
 
 _EPS = np.finfo(np.float64).eps
-# Largest uncertainty of a position, relative to the movement, with which a spline is made.
+# Largest uncertainty of a position, relative to the movement, with which a polynomial is made.
 ALLOWED_DOUBT = 1e-9
-_ROOT_EPS = _EPS**0.5
-_REFINEMENTS = 8
+# A first correction of this part leaves, after it, nothing to correct.
+_CONVERGED = 1e-11
+_REFINEMENTS = 10
 _CHUNK = 2048
 
 
@@ -33,17 +34,17 @@ class Condition(NamedTuple):
 
 
 class _Equations(NamedTuple):
-    """One equation a row: factors (N, 2 (degree + 1)) of the coefficients of segment `first` and the next."""
+    """One equation a row: factors (N, 2 (degree + 1)) of the coefficients of segment `first` and of the next one."""
 
     first: NDArray[np.int64]
-    factors: Array
+    factors: NDArray[np.longdouble]
 
-    def times(self, coefficients: Array) -> Array:
+    def times(self, coefficients: Array) -> NDArray[np.longdouble]:
         """The left-hand sides for coefficients (n (degree + 1), m)."""
         width = self.factors.shape[1]
         padded = np.concatenate([coefficients, np.zeros_like(coefficients[: width // 2])])
         columns = (width // 2) * self.first[:, None] + np.arange(width)
-        total = np.empty((len(columns), coefficients.shape[1]), dtype=coefficients.dtype)
+        total = np.empty((len(columns), coefficients.shape[1]), dtype=np.longdouble)
         # In chunks: what is gathered at once would be larger than all coefficients.
         for start in range(0, len(columns), _CHUNK):
             rows = slice(start, start + _CHUNK)
@@ -92,6 +93,8 @@ def solve_segments(
         Where the degree is so high or the times are so uneven that rounding spoils the solution.
     """
     lengths, degree = np.diff(breaks), max(degrees)
+    if not (lengths > 0).all():  # knots that are averages of times may round to the same
+        raise ill_conditioned(degree, breaks, np.inf)
     origin = conditions[0].values[0]
     groups = [_condition_rows(breaks, degree, conditions), _continuity_rows(breaks, degree, continuity)]
     if min(degrees) < degree:
@@ -101,50 +104,94 @@ def solve_segments(
     given = np.concatenate([c.values - (0.0 if c.order else origin) for c in conditions])
     values[: len(given)] = given
     order = np.argsort(instants, kind="stable")
-    solution, doubt = _solved(_Equations(first[order], factors[order]), values[order])
+    scale = np.abs(factors).max(axis=1, keepdims=True)
+    equations, right = _Equations(first[order], (factors / scale)[order]), (values / scale)[order]
+    solution, doubt = refined(_factorised(equations), equations.times, right.astype(np.float64))
+    if not doubt <= ALLOWED_DOUBT:
+        raise ill_conditioned(degree, breaks, doubt)
     series = solution.reshape(len(lengths), degree + 1, len(origin)).transpose(1, 0, 2)
-    worst = float(np.abs(doubt).reshape(len(lengths), degree + 1, -1).sum(axis=1).max())
-    if not worst <= ALLOWED_DOUBT:
-        raise ill_conditioned(degree, breaks, worst)
     series[0] += origin
     return Piecewise(breaks=breaks, coefficients=series)
+
+
+def refined(
+    solve: Callable[[Array], Array], product: Callable[[Array], NDArray[np.longdouble]], right: Array
+) -> tuple[Array, float]:
+    """The solution of a linear system for polynomials' coefficients, and how far it is off, relative to the movement.
+
+    Iterative refinement: with the residual in extended precision, each correction is smaller than the one before by
+    the condition number times a rounding, until rounding of the residual is all that it corrects (Higham, Accuracy and
+    Stability of Numerical Algorithms, 12.1). What the solution is off by is the correction that got no smaller, and a
+    rounding of all coefficients, which is much where the polynomials swing far beyond their points.
+
+    Parameters
+    ----------
+    solve : callable
+        The solution in double precision for a right-hand side, shape (N, m).
+    product : callable
+        The left-hand sides of a solution, in extended precision.
+    right : ndarray, shape (N, m)
+
+    Returns
+    -------
+    solution : ndarray, shape (N, m)
+    doubt : float
+    """
+    solution = solve(right)
+    before = np.abs(solution).max(axis=0)
+    for _ in range(_REFINEMENTS):
+        correction = solve((right - product(solution)).astype(np.float64))
+        off = np.abs(correction).max(axis=0)
+        if not (off <= before / 4).all():
+            break
+        solution = solution + correction
+        if (off <= _CONVERGED * before).all():
+            off = off * _CONVERGED
+            break
+        before = off
+    off = off + _EPS * np.abs(solution).sum(axis=0)
+    largest = np.abs(right).max(axis=0)
+    return solution, float((off / np.where(largest > 0, largest, 1.0)).max())
 
 
 def ill_conditioned(degree: int, t: Array, doubt: float) -> InputError:
     """What to say where rounding leaves positions uncertain by `doubt`, relative to the movement."""
     lengths = np.diff(t)
     short, longest = int(np.argmin(lengths)), lengths.max()
+    with np.errstate(divide="ignore"):
+        ratio = longest / lengths[short]
     size = f"{doubt:.1e} of the movement" if np.isfinite(doubt) else "more than all of the movement"
     return InputError(
         f"times: degree {degree} with segments of {lengths[short]:g} s (segment {short + 1}, {t[short]:.9g} s after the"
-        f" start) to {longest:g} s, a ratio of {longest / lengths[short]:.3g}, is too ill-conditioned: rounding"
+        f" start) to {longest:g} s, a ratio of {ratio:.3g}, is too ill-conditioned: rounding"
         f" leaves positions uncertain by {size}, but at most {ALLOWED_DOUBT:g} is allowed; use a lower degree, fewer"
         " points in one polynomial or more even times"
     )
 
 
-_Rows = tuple[Array, NDArray[np.int64], Array]
+_Rows = tuple[Array, NDArray[np.int64], NDArray[np.longdouble]]
 
 
 def _condition_rows(breaks: Array, degree: int, conditions: Sequence[Condition]) -> _Rows:
     """A derivative by time at a time; at a break, of the segment that begins there."""
     times = np.concatenate([c.times for c in conditions])
     i = breaks[1:-1].searchsorted(times, side="right")
-    left, length = breaks[i], breaks[i + 1] - breaks[i]
-    rows = np.zeros((len(times), 2 * degree + 2))
+    left = breaks[i].astype(np.longdouble)
+    length = breaks[i + 1] - left
+    rows = np.zeros((len(times), 2 * degree + 2), dtype=np.longdouble)
     rows[:, : degree + 1] = chebyshev.chebvander(2 * (times - left) / length - 1, degree)
     end = 0
     for count, order in ((len(c.times), c.order) for c in conditions):
         at, end = slice(end, end + count), end + count
         if order:
-            rows[at, : degree + 1] @= _derivative(degree, order)
+            rows[at, : degree + 1] = rows[at, : degree + 1] @ _derivative(degree, order)
             rows[at] *= (2 / length[at, None]) ** order
     return times, i, rows
 
 
 def _continuity_rows(breaks: Array, degree: int, continuity: int) -> _Rows:
     """The derivatives of neighbours at their break differ by zero."""
-    lengths = np.diff(breaks)
+    lengths = np.diff(breaks.astype(np.longdouble))
     shorter = np.minimum(lengths[:-1], lengths[1:])[:, None, None]
     orders = np.arange(continuity + 1)[:, None]
     end, start = _ends(degree, continuity)
@@ -159,7 +206,7 @@ def _degree_rows(breaks: Array, degrees: NDArray[np.int64]) -> _Rows:
     """The coefficients beyond a segment's own degree are zero."""
     top = int(degrees.max())
     i, k = np.nonzero(np.arange(top + 1) > degrees[:, None])
-    rows = np.zeros((len(i), 2 * top + 2))
+    rows = np.zeros((len(i), 2 * top + 2), dtype=np.longdouble)
     rows[np.arange(len(i)), k] = 1.0
     return (breaks[i] + breaks[i + 1]) / 2, i, rows
 
@@ -175,41 +222,6 @@ def _ends(degree: int, continuity: int) -> tuple[Array, Array]:
     k, r = np.arange(degree + 1.0), np.arange(continuity + 1)[:, None]
     end = np.cumprod(np.concatenate([np.ones((1, degree + 1)), (k**2 - r**2) / (2 * r + 1)]), axis=0)[:-1]
     return read_only(end), read_only(end * (-1.0) ** (k + r))
-
-
-def _solved(equations: _Equations, values: Array) -> tuple[Array, Array]:
-    """The solution, and how far rounding of the equations moves it, relative to the largest value given.
-
-    Each equation is scaled to largest factor one. Iterative refinement, its residual in extended precision,
-    corrects the solution to its last digits (Higham, Accuracy and Stability of Numerical Algorithms, 12.1).
-    What is left is what the rounding of the matrix itself does: ``inv(A) (e |A| |x|)`` with a fixed row of
-    signs e estimates Skeel's bound, which does not depend on how rows are scaled (7.2 there).
-    """
-    scale = np.abs(equations.factors).max(axis=1, keepdims=True)
-    scaled, right = _Equations(equations.first, equations.factors / scale), values / scale
-    solve = _factorised(scaled)
-    extended = _Equations(scaled.first, scaled.factors.astype(np.longdouble))
-    solution = np.zeros_like(right)
-    change = np.inf
-    for _ in range(_REFINEMENTS):
-        residual = right - extended.times(solution.astype(np.longdouble)) if solution.any() else right
-        correction = solve(residual.astype(np.float64))
-        before, change = change, float(np.abs(correction).max())
-        if not change < before:
-            break
-        solution = solution + correction
-        # Each correction is smaller than the one before by its own relative size.
-        if change <= _ROOT_EPS * np.abs(solution).max():
-            break
-    size = _Equations(scaled.first, np.abs(scaled.factors)).times(np.abs(solution)) + np.abs(right)
-    largest = np.abs(right).max(axis=0)
-    doubt = solve(_EPS * irregular_signs(len(size)) * size) / np.where(largest > 0, largest, 1.0)
-    return solution, doubt
-
-
-def irregular_signs(count: int) -> Array:
-    """A fixed column of signs without a pattern that a matrix could share."""
-    return np.where(np.cos(np.arange(count) ** 2.0) < 0, -1.0, 1.0)[:, None]
 
 
 def _factorised(equations: _Equations) -> Callable[[Array], Array]:

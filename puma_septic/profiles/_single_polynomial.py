@@ -6,18 +6,17 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
 from puma_septic.checks import Array, read_only
 from puma_septic.piecewise import Piecewise
-from puma_septic.piecewise.matrices import basis_at, end_derivatives, signs
-from puma_septic.profiles._segments import ALLOWED_DOUBT, ill_conditioned, irregular_signs
+from puma_septic.piecewise.matrices import end_derivatives, signs
+from puma_septic.profiles._segments import ALLOWED_DOUBT, ill_conditioned, refined
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["single_polynomial", "through_all"]
-
-_EPS = np.finfo(np.float64).eps
 
 
 def single_polynomial(
@@ -89,27 +88,19 @@ def through_all(vias: Vias, **ends: ArrayLike | None) -> Trajectory:
 
 
 def _interpolated(points: Array, t: Array, ends: Array) -> tuple[Array, float]:
-    """Chebyshev coefficients (k + 4, n_joints), and how far rounding moves them, relative to the movement.
+    """Chebyshev coefficients (k + 4, n_joints), and how far they are off, see `refined`.
 
-    With points relative to the first, a joint that does not move gets coefficients that are exactly zero. One step
-    of refinement corrects the solution by its error; the doubt is what rounding of each entry of the system does to
-    the solution, see `solve_segments`.
+    With points relative to the first, a joint that does not move gets coefficients that are exactly zero.
     """
     half = t[-1] / 2
-    x = t / half - 1
-    x[-1] = 1.0
-    matrix = np.concatenate([basis_at(x, len(points) + 3).T, _end_conditions(len(points) + 3)])
+    x = t / np.longdouble(half) - 1
+    matrix = np.concatenate([chebyshev.chebvander(x, len(points) + 3), _end_conditions(len(points) + 3)])
     right = np.concatenate([points, half ** np.array([[1.0], [1.0], [2.0], [2.0]]) * ends])
     try:
-        inverse = np.linalg.inv(matrix)
+        inverse = np.linalg.inv(matrix.astype(np.float64))
     except np.linalg.LinAlgError:  # two times are the same, to rounding
         return np.zeros_like(right), np.inf
-    series = inverse @ right
-    series += inverse @ (right - matrix.astype(np.longdouble) @ series).astype(np.float64)
-    size = np.abs(matrix) @ np.abs(series) + np.abs(right)
-    off = np.abs(inverse @ (_EPS * irregular_signs(len(size)) * size)).sum(axis=0)
-    largest = np.abs(right).max(axis=0)
-    return series, float((off / np.where(largest > 0, largest, 1.0)).max())
+    return refined(inverse.__matmul__, matrix.__matmul__, right)
 
 
 @lru_cache(maxsize=16)

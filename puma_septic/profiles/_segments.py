@@ -142,16 +142,16 @@ def refined(
     for _ in range(_REFINEMENTS):
         correction = solve((right - product(solution)).astype(np.float64))
         off = np.abs(correction).max(axis=0)
-        if not (off <= before / 4).all():
-            break
-        solution = solution + correction
         if (off <= _CONVERGED * before).all():
+            solution = solution + correction
             off = off * _CONVERGED
             break
-        before = off
+        if not (off <= before / 4).all():
+            break
+        solution, before = solution + correction, off
     off = off + _EPS * np.abs(solution).sum(axis=0)
-    largest = np.abs(right).max(axis=0)
-    return solution, float((off / np.where(largest > 0, largest, 1.0)).max())
+    # A joint that stays where it is has coefficients that are exactly zero.
+    return solution, float((off / np.maximum(np.abs(right).max(axis=0), np.finfo(np.float64).tiny)).max())
 
 
 def ill_conditioned(degree: int, t: Array, doubt: float) -> InputError:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
-from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
 from puma_septic.checks import Array, read_only
@@ -93,8 +92,9 @@ def _interpolated(points: Array, t: Array, ends: Array) -> tuple[Array, float]:
     With points relative to the first, a joint that does not move gets coefficients that are exactly zero.
     """
     half = t[-1] / 2
-    x = t / np.longdouble(half) - 1
-    matrix = np.concatenate([chebyshev.chebvander(x, len(points) + 3), _end_conditions(len(points) + 3)])
+    degree = len(points) + 3
+    angle = np.arccos(t / np.longdouble(half) - 1)
+    matrix = np.concatenate([np.cos(angle[:, None] * np.arange(degree + 1)), _end_conditions(degree)])
     right = np.concatenate([points, half ** np.array([[1.0], [1.0], [2.0], [2.0]]) * ends])
     try:
         inverse = np.linalg.inv(matrix.astype(np.float64))

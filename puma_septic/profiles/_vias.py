@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, checked_array, checked_times, read_only
+from puma_septic.checks import Array, checked_array, checked_times
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
 from puma_septic.trajectory import Trajectory
@@ -82,18 +82,15 @@ class Vias:
         instants = checked_times("times", times)
         if len(instants) != len(q):
             raise InputError(f"times: {len(instants)} times for {len(q)} points; one for each is needed")
-        t = instants - instants[0]
-        if not (t[1:] > t[:-1]).all():
+        t = instants - instants[0] if instants[0] else instants
+        if t is not instants and not (t[1:] > t[:-1]).all():
             k = int(np.argmin(t[1:] > t[:-1]))
             raise InputError(
                 f"times: times[{k}] = {instants[k]:.17g} s and times[{k + 1}] = {instants[k + 1]:.17g} s are too close"
                 f" to each other to be told apart in the {t[-1]:g} s since the first"
             )
+        t.setflags(write=False)
         return cls(profile=profile, q=q, t=t, times=instants, joint_names=named(joint_names))
-
-    def __post_init__(self) -> None:
-        for name in ("q", "t", "times"):
-            object.__setattr__(self, name, read_only(getattr(self, name)))
 
     @property
     def n_joints(self) -> int:

@@ -24,7 +24,6 @@ _SLACK: Final = 1e-9
 _EXCESS_WEIGHT: Final = 1e6
 # Among ways of the same length the one with the fewest added turns.
 _TURN_WEIGHT: Final = 1e-9
-_TURNS: Final = np.array([0.0, -1.0, 1.0])
 _TURN: Final = 2 * np.pi
 # Starts of the damped least squares at poses after the first, of which the first start is the point before.
 _STARTS_NEAR: Final = 4
@@ -142,11 +141,14 @@ def _short_way(robot: Robot, q: Array, is_free: NDArray[np.bool_]) -> Array:
     """Add whole turns to the free rows of q, (k, n_joints): each joint within limits, then travelling least.
 
     Dynamic programming, joint by joint: with limits of more than a turn, the nearest angle at one point can
-    be the wrong one for the next.
+    be the wrong one for the next. The candidates at each point are the turn nearest to the point before and as many
+    on both sides of it as may be needed.
     """
-    turns = _TURNS[:, None, None]
-    choices = q + _TURN * turns
     movable = is_free[:, None] & ~robot.is_prismatic
+    nearest = _unwound(q, movable)
+    extra = _furthest(robot, q, nearest)
+    turns = nearest + np.array(sorted(range(-extra, extra + 1), key=lambda n: (abs(n), n)))[:, None, None]
+    choices = q + _TURN * turns
     cost = _EXCESS_WEIGHT * _excess(robot, choices) + _TURN_WEIGHT * np.abs(turns)
     cost = np.where(movable | (turns == 0), cost, np.inf)
     joints = np.arange(q.shape[1])
@@ -159,3 +161,20 @@ def _short_way(robot: Robot, q: Array, is_free: NDArray[np.bool_]) -> Array:
     for before in reversed(came_from):
         chosen.append(before[chosen[-1], joints])
     return np.array([choices[index, k, joints] for k, index in enumerate(reversed(chosen))])
+
+
+def _unwound(q: Array, movable: NDArray[np.bool_]) -> Array:
+    """Whole turns that bring each movable angle nearest to the one before it, shape (k, n_joints)."""
+    turns = np.zeros_like(q)
+    for k in range(1, len(q)):
+        before = q[k - 1] + _TURN * turns[k - 1]
+        turns[k] = np.where(movable[k], np.rint((before - q[k]) / _TURN), 0.0)
+    return turns
+
+
+def _furthest(robot: Robot, q: Array, nearest: Array) -> int:
+    """How many turns from the nearest the best may be: as many as lead to a given point, or back into the limits."""
+    way = q + _TURN * nearest
+    gaps = np.where(robot.is_prismatic, 0.0, np.abs(np.diff(way, axis=0)))
+    beyond = np.where(robot.is_prismatic, 0.0, _excess(robot, way))
+    return 1 + int(np.ceil(max(gaps.max(initial=0.0), beyond.max()) / _TURN))

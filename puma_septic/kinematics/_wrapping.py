@@ -16,9 +16,10 @@ LIMIT_SLACK = 1e-9
 
 
 def wrapped(robot: Robot, angles: Array, joints: NDArray[np.int64], near: Array | None) -> Array:
-    """The angles plus whole turns: nearest to the middle of the limits, or to `near` if that is within them.
+    """The angles plus whole turns: nearest to `near` within the limits, or to their middle where it is not given.
 
-    The turn nearest to the middle is within the limits if any is. Without limits the middle is `near`, or 0.
+    An angle that no number of turns brings within the limits is nearest to their middle. Without limits the middle is
+    `near`, or 0.
 
     Parameters
     ----------
@@ -26,6 +27,10 @@ def wrapped(robot: Robot, angles: Array, joints: NDArray[np.int64], near: Array 
     joints : ndarray of int, shape (m,)
         Which joint each row belongs to.
     near : ndarray, shape (n_joints,) or (n_joints, n), optional
+
+    Returns
+    -------
+    ndarray, shape (m, n)
     """
     low, high = robot.limits.position[joints].T[:, :, None]
     close = None if near is None else near.reshape(len(near), -1)[joints]
@@ -33,8 +38,12 @@ def wrapped(robot: Robot, angles: Array, joints: NDArray[np.int64], near: Array 
     central: Array = angles - TURN * np.rint((angles - middle) * (1.0 / TURN))
     if close is None:
         return central
+    # From the turn nearest to where the joint stands, one back into the limits if it is beyond them: the next one is
+    # the nearest that may be within them.
     closest = angles - TURN * np.rint((angles - close) * (1.0 / TURN))
-    return np.where((closest >= low) & (closest <= high), closest, central)
+    closest = closest - TURN * np.ceil(np.nan_to_num(closest - high - LIMIT_SLACK).clip(min=0.0) * (1.0 / TURN))
+    closest = closest + TURN * np.ceil(np.nan_to_num(low - LIMIT_SLACK - closest).clip(min=0.0) * (1.0 / TURN))
+    return np.where((closest < low - LIMIT_SLACK) | (closest > high + LIMIT_SLACK), central, closest)
 
 
 def within(robot: Robot, q: Array) -> NDArray[np.bool_]:

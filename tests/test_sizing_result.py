@@ -342,3 +342,27 @@ def test_wrong_numbers_and_kinds_of_things_are_refused() -> None:
         candidate().motor_load_profile("elbow")
     with pytest.raises(ps.InputError, match="step = 0 s must be greater than 0 s"):
         candidate().motor_load_profile("joint1", step=0.0)
+
+
+def test_drive_trains_by_joint_name_are_those_in_the_robot_s_order() -> None:
+    """A mapping once ended in an AttributeError: its keys were taken for the drive trains."""
+    trains = candidate().drivetrains
+    named = dict(reversed(list(zip(paper_cycle().joint_names, trains, strict=True))))
+    assert ps.size(paper_cycle(), drivetrains=named).drivetrains == trains
+
+
+def test_drive_trains_of_a_wrong_kind_are_refused() -> None:
+    cycle, trains = paper_cycle(), candidate().drivetrains
+    named = dict(zip(cycle.joint_names, trains, strict=True))
+    with pytest.raises(ps.InputError, match="or a mapping by joint name, got one Drivetrain"):
+        ps.size(cycle, drivetrains=trains[0])  # type: ignore[call-overload]
+    with pytest.raises(ps.InputError, match="joint 'joint1' has a Motor; joint 'joint3' has a NoneType"):
+        ps.size(cycle, drivetrains=[trains[0].motor, trains[1], None, *trains[3:]])  # type: ignore[list-item]
+    del named["joint2"]
+    with pytest.raises(
+        ps.InputError, match="no drivetrain for 'joint2'; unknown joint 'elbow', 5; expected one for each"
+    ):
+        ps.size(cycle, drivetrains={**named, "elbow": trains[1], 5: trains[0]})  # type: ignore[dict-item]
+    catalogue = ps.built_in_catalogue("puma560")
+    with pytest.raises(ps.InputError, match="got one Drivetrain"):
+        ps.size(cycle, catalogue=catalogue, drivetrains=trains[0])  # type: ignore[call-overload]

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import overload
 
 from numpy.typing import ArrayLike
 
 from puma_septic.checks import checked_choice
 from puma_septic.cycle import Cycle
-from puma_septic.drives import Catalogue, Drivetrain
+from puma_septic.drives import Catalogue
 from puma_septic.errors import InputError
 from puma_septic.sizing import result
+from puma_septic.sizing._drivetrains import GivenDrivetrains
 from puma_septic.sizing.choosing import Selection, select
 from puma_septic.sizing.coupling import PLACEMENTS, Placement, select_consistent
 from puma_septic.sizing.result import Sizing
@@ -21,7 +21,7 @@ __all__ = ["size"]
 
 
 @overload
-def size(cycle: Cycle, *, drivetrains: Sequence[Drivetrain] | None = None) -> Sizing: ...
+def size(cycle: Cycle, *, drivetrains: GivenDrivetrains | None = None) -> Sizing: ...
 
 
 @overload
@@ -29,7 +29,7 @@ def size(
     cycle: Cycle,
     *,
     catalogue: Catalogue,
-    drivetrains: Sequence[Drivetrain] | None = None,
+    drivetrains: GivenDrivetrains | None = None,
     rank: Rank = "mass",
     keep: int | None = 5,
     masses: Placement | None = None,
@@ -41,7 +41,7 @@ def size(
     cycle: Cycle,
     *,
     catalogue: Catalogue | None = None,
-    drivetrains: Sequence[Drivetrain] | None = None,
+    drivetrains: GivenDrivetrains | None = None,
     rank: Rank = "mass",
     keep: int | None = 5,
     masses: Placement | None = None,
@@ -57,10 +57,11 @@ def size(
     ----------
     cycle : Cycle
     catalogue : Catalogue, optional
-    drivetrains : sequence of Drivetrain, optional
-        One per joint, in the robot's order; by default the robot's own, as far as its actuators and limits tell. With a
-        catalogue: what the joints have whatever the parts, that is drive (its unknown bus voltage is the motor's
-        nominal one), ambient temperature, momentary torque and required life; motor and gearbox are ignored.
+    drivetrains : sequence of Drivetrain, or mapping of str to Drivetrain, optional
+        One per joint, in the robot's order or by joint name; by default the robot's own, as far as its actuators and
+        limits tell. With a catalogue: what the joints have whatever the parts, that is drive (its unknown bus voltage
+        is the motor's nominal one), ambient temperature, momentary torque and required life; motor and gearbox are
+        ignored.
     rank : {"mass", "cost", "margin"}
         What the best pair has least (margin: most) of; between equals the margin decides.
     keep : int or None
@@ -80,7 +81,7 @@ def size(
     Raises
     ------
     InputError
-        If there is not one drive train per joint, or for an unknown rank.
+        If there is not one drive train for each joint, or for an unknown rank.
 
     Examples
     --------

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Final, final
@@ -12,8 +11,9 @@ import numpy as np
 from puma_septic.assessment.texts import plain
 from puma_septic.checks import checked_choice
 from puma_septic.cycle import Cycle
-from puma_septic.drives import Catalogue, Drivetrain
+from puma_septic.drives import Catalogue
 from puma_septic.errors import InputError
+from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_cycle, checked_drivetrains
 from puma_septic.sizing.loads import joint_load
 from puma_septic.sizing.ratios import RatioWindow
 from puma_septic.sizing.result import Sizing, size
@@ -21,8 +21,10 @@ from puma_septic.sizing.selection import RANKS, Candidate, JointSelection, Rank,
 from puma_septic.sizing.texts import check_document
 from puma_septic.tables import Cell, text_table
 
-__all__ = ["SELECTION_SCHEMA", "Selection", "checked_places", "checked_rank", "select"]
+__all__ = ["SELECTION_SCHEMA", "Selection", "checked_rank", "select"]
 
+# A ratio beyond this is told as no bound: no gear train of a joint has one of the kind.
+_ANY_RATIO: Final = 1e6
 # Whatever changes in the layout of the document changes this.
 SELECTION_SCHEMA: Final = "puma-septic/selection/1"
 
@@ -108,13 +110,14 @@ def select(
     *,
     rank: Rank = "mass",
     keep: int | None = 5,
-    places: Sequence[Drivetrain] | None = None,
+    places: GivenDrivetrains | None = None,
 ) -> Selection:
     """Choose from a catalogue for every joint; see `size`."""
     checked_rank(rank, keep)
-    places = checked_places(cycle, places)
+    checked_cycle(cycle)
+    own = None if places is None else checked_drivetrains(cycle, places)
     joints = tuple(
-        select_joint(joint_load(cycle, j), catalogue, j, rank=rank, keep=keep, places=places)
+        select_joint(joint_load(cycle, j), catalogue, j, rank=rank, keep=keep, places=own)
         for j in range(len(cycle.joint_names))
     )
     return Selection(cycle=cycle, catalogue=catalogue, rank=rank, joints=joints)
@@ -125,15 +128,6 @@ def checked_rank(rank: Rank, keep: int | None) -> None:
     checked_choice("rank", rank, RANKS)
     if keep is not None and (isinstance(keep, bool) or not isinstance(keep, int) or keep < 1):
         raise InputError(f"keep = {keep!r}: expected a number of pairs from 1, or None for all")
-
-
-def checked_places(cycle: Cycle, places: Sequence[Drivetrain] | None) -> tuple[Drivetrain, ...] | None:
-    """One per joint, if any are given."""
-    if not isinstance(cycle, Cycle):
-        raise InputError(f"size takes a Cycle, got {type(cycle).__name__}; Cycle(steps=[motion]) makes one of a motion")
-    if places is not None and len(places) != len(cycle.joint_names):
-        raise InputError(f"{len(places)} drivetrains for {len(cycle.joint_names)} joints: expected one for each")
-    return None if places is None else tuple(places)
 
 
 def _table(selection: Selection) -> str:
@@ -151,7 +145,7 @@ def _row(joint: str, c: Candidate) -> list[Cell]:
     use, quantity = "", "none known"
     if c.governing is not None:
         use, quantity = f"{100 * c.governing.utilisation:.1f} %", c.governing.quantity
-    best = "" if c.window is None or np.isinf(c.window.optimal) else f"{c.window.optimal:.0f}"
+    best = "" if c.window is None or not 0 < c.window.optimal < _ANY_RATIO else _ratio(c.window.optimal)
     return [
         joint, c.motor, c.gearbox, c.mass, c.cost, use, quantity, f"{c.drivetrain.ratio:g}", best, _window(c.window)
     ]  # fmt: skip
@@ -162,7 +156,13 @@ def _window(window: RatioWindow | None) -> str:
         return "unknown"
     if window.is_empty:
         return "empty"
-    return f"from {window.least:.0f}" if np.isinf(window.most) else f"{window.least:.0f} to {window.most:.0f}"
+    if window.most > _ANY_RATIO:
+        return f"any above {_ratio(window.least)}" if window.least else "any"
+    return f"{_ratio(window.least)} to {_ratio(window.most)}" if window.least else f"any up to {_ratio(window.most)}"
+
+
+def _ratio(value: float) -> str:
+    return f"{value:.0f}" if value >= 1 else f"{value:.2g}"
 
 
 def _joint_document(one: JointSelection) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final, Literal
 
@@ -12,11 +11,12 @@ from numpy.typing import ArrayLike
 
 from puma_septic.checks import Array, checked_array
 from puma_septic.cycle import Cycle, Dwell
-from puma_septic.drives import Catalogue, Drivetrain
+from puma_septic.drives import Catalogue
 from puma_septic.errors import InputError
 from puma_septic.motion import compute_motion
 from puma_septic.robot import Robot
-from puma_septic.sizing.choosing import Selection, checked_places, checked_rank
+from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_cycle, checked_drivetrains
+from puma_septic.sizing.choosing import Selection, checked_rank
 from puma_septic.sizing.loads import joint_load
 from puma_septic.sizing.selection import JointSelection, Rank, select_joint
 
@@ -68,7 +68,7 @@ def select_consistent(
     own_masses: ArrayLike | None = None,
     rank: Rank = "mass",
     keep: int | None = 5,
-    places: Sequence[Drivetrain] | None = None,
+    places: GivenDrivetrains | None = None,
 ) -> Selection:
     """Choose from the wrist to the base, each drive's mass on the arm when the joints before it are chosen.
 
@@ -86,9 +86,9 @@ def select_consistent(
     rank, keep, places
         See `size`.
     """
-    n = len(cycle.joint_names)
+    n = len(checked_cycle(cycle).joint_names)
     checked_rank(rank, keep)
-    places = checked_places(cycle, places)
+    given = None if places is None else checked_drivetrains(cycle, places)
     own = np.zeros(n) if own_masses is None else checked_array("own_masses", own_masses, (n,), unit="kg")
     masses, notes = np.zeros(n), [f"masses of the chosen drives on the link {_WORDS[placement]} each joint"]
     joints: dict[int, JointSelection] = {}
@@ -96,7 +96,7 @@ def select_consistent(
     for j in reversed(range(n)):
         seen: list[float] = []
         for _ in range(_MOST_ROUNDS):
-            joints[j] = select_joint(joint_load(loaded, j), catalogue, j, rank=rank, keep=keep, places=places)
+            joints[j] = select_joint(joint_load(loaded, j), catalogue, j, rank=rank, keep=keep, places=given)
             seen.append(_mass(joints[j]))
             if masses[j] == seen[-1]:
                 break

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, final
@@ -12,7 +11,7 @@ import numpy as np
 from puma_septic.checks import Array, checked_choice, checked_number
 from puma_septic.cycle import Cycle
 from puma_septic.drives import Drivetrain, own_drivetrains
-from puma_septic.errors import InputError
+from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_cycle, checked_drivetrains
 from puma_septic.sizing.checks import assess_joint
 from puma_septic.sizing.demands import Demands
 from puma_septic.sizing.loads import joint_load, motor_load
@@ -156,7 +155,7 @@ class Sizing:
         return sizing_html(self)
 
 
-def size(cycle: Cycle, *, drivetrains: Sequence[Drivetrain] | None = None) -> Sizing:
+def size(cycle: Cycle, *, drivetrains: GivenDrivetrains | None = None) -> Sizing:
     """Hold a duty cycle against the drive trains that are to do it.
 
     The drive trains replace the robot's own: their rotors, friction and efficiency come in, the robot's are left out.
@@ -164,8 +163,9 @@ def size(cycle: Cycle, *, drivetrains: Sequence[Drivetrain] | None = None) -> Si
     Parameters
     ----------
     cycle : Cycle
-    drivetrains : sequence of Drivetrain, optional
-        One per joint, in the robot's order; by default the robot's own, as far as its actuators and limits tell.
+    drivetrains : sequence of Drivetrain, or mapping of str to Drivetrain, optional
+        One per joint, in the robot's order or by joint name; by default the robot's own, as far as its actuators and
+        limits tell.
 
     Returns
     -------
@@ -175,7 +175,7 @@ def size(cycle: Cycle, *, drivetrains: Sequence[Drivetrain] | None = None) -> Si
     Raises
     ------
     InputError
-        If there is not one drive train per joint.
+        If there is not one drive train for each joint.
 
     Examples
     --------
@@ -186,14 +186,8 @@ def size(cycle: Cycle, *, drivetrains: Sequence[Drivetrain] | None = None) -> Si
     >>> sizing.is_feasible, sizing.governing.joint
     (True, 'joint2')
     """
-    if not isinstance(cycle, Cycle):
-        raise InputError(f"size takes a Cycle, got {type(cycle).__name__}; Cycle(steps=[motion]) makes one of a motion")
-    trains = own_drivetrains(cycle.robot) if drivetrains is None else tuple(drivetrains)
-    if len(trains) != len(cycle.joint_names):
-        raise InputError(
-            f"{len(trains)} drivetrains for {len(cycle.joint_names)} joints: expected one for each of"
-            f" {', '.join(cycle.joint_names)}"
-        )
+    checked_cycle(cycle)
+    trains = own_drivetrains(cycle.robot) if drivetrains is None else checked_drivetrains(cycle, drivetrains)
     loads = [joint_load(cycle, j) for j in range(len(trains))]
     return Sizing(
         cycle=cycle,

@@ -194,7 +194,7 @@ def _electric(grid: LoadGrid, table: PairTable, rms: Array, peak: Bounds, power:
 
 def _life(grid: LoadGrid, table: PairTable) -> Array:
     """Expected life, h; it depends on the gearbox alone."""
-    torque = grid.average_torque if grid.load.velocity_sign.any() else 0.0
+    torque = grid.average_torque if grid.load.moves else 0.0
     lives = [
         expected_life(
             gearbox.rated_life_hours,

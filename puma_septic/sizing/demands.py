@@ -10,7 +10,7 @@ import numpy as np
 
 from puma_septic.checks import Array
 from puma_septic.drives import Drivetrain
-from puma_septic.errors import NoSolution
+from puma_septic.errors import NoSolution, PumaSepticError
 from puma_septic.piecewise import Piecewise
 from puma_septic.sizing.curves import voltage
 from puma_septic.sizing.electrical import Regeneration, electric_power, energies, regeneration
@@ -172,6 +172,11 @@ class Demands:
     @cached_property
     def why_no_temperature(self) -> str:
         """What hinders the steady winding temperature; empty where nothing does."""
+        return self._why_no_steady_state or self._steady_temperature[1]
+
+    @cached_property
+    def _why_no_steady_state(self) -> str:
+        """What is not known, or that the cycle does not repeat."""
         motor = self.train.motor
         needs = {
             "the motor's torque constant": np.isnan(motor.torque_constant),
@@ -188,9 +193,14 @@ class Demands:
 
         None where it is not known, or where there is no steady state: `peak_temperature_rise` tells which.
         """
+        return self._steady_temperature[0]
+
+    @cached_property
+    def _steady_temperature(self) -> tuple[Piecewise | None, str]:
+        """The rise, and what hinders it; neither where it runs away or the torque is unbounded."""
         motor = self.train.motor
-        if self.why_no_temperature or not np.isnan(self.load.unbounded):
-            return None
+        if self._why_no_steady_state or not np.isnan(self.load.unbounded):
+            return None, self._why_no_steady_state
         torque = self.motor.torque
         equation = thermal_equation(
             torque * torque * (motor.resistance / motor.torque_constant**2),
@@ -200,9 +210,11 @@ class Demands:
             excess=self.train.ambient_celsius - motor.reference_celsius,
         )
         try:
-            return steady_cycle(*equation)
+            return steady_cycle(*equation), ""
         except NoSolution:
-            return None
+            return None, ""
+        except PumaSepticError as error:
+            return None, str(error)
 
     @cached_property
     def peak_temperature_rise(self) -> Peak:
@@ -218,7 +230,7 @@ class Demands:
     def expected_life_hours(self) -> float:
         """Of the gearbox, at this cycle's average torque and mean input speed."""
         gearbox = self.train.gearbox
-        average = 0.0 if not self.load.velocity_sign.any() else self.average_load_torque
+        average = self.average_load_torque if self.load.moves else 0.0
         return expected_life(
             gearbox.rated_life_hours,
             rated_torque=gearbox.rated_torque,

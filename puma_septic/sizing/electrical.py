@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
 import numpy as np
 
@@ -11,6 +11,10 @@ from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise
 
 __all__ = ["Regeneration", "electric_power", "energies", "regeneration"]
+
+# A cycle that returns more than it draws by no more than this part of what flows does not: some hundred times what a
+# torque's tolerance leaves in an energy.
+_BALANCED: Final = 1e-9
 
 
 @final
@@ -49,11 +53,11 @@ def regeneration(flows: Array, *, storable: float, periodic: bool) -> Regenerati
     steady cycle begins full where it returns more than it draws, with what the one before leaves otherwise; one that is
     not periodic begins empty.
     """
-    net = -float(flows.sum())
+    returns_more = -float(flows.sum()) > _BALANCED * float(np.abs(flows).sum())
     if periodic:
-        start = storable if net > 0 else 0.0
+        start = storable if returns_more else 0.0
         start = _through(flows, start, storable)[0]
-        stored = np.inf if net > 0 else _through(flows, _through(flows, 0.0, np.inf)[0], np.inf)[1]
+        stored = np.inf if returns_more else _through(flows, _through(flows, 0.0, np.inf)[0], np.inf)[1]
     else:
         start, stored = 0.0, _through(flows, 0.0, np.inf)[1]
     return Regeneration(stored=stored, braked=_through(flows, start, storable)[2])

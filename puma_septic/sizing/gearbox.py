@@ -76,15 +76,14 @@ def allowed_momentary_peaks(input_speed: float, duration: float) -> float:
 
 def average_load_torque(load: JointLoad) -> float:
     """The same over a cycle, ``(integral |v| |tau|^3 / integral |v|)^(1/3)``, N m; NaN where the joint never moves."""
-    travel = load.mean_speed * load.duration
-    if not load.velocity_sign.any():
+    if not load.moves:
         return np.nan
     if not np.isnan(load.unbounded):
         return np.inf
     # |v| |tau|^3 is |v tau| tau^2, and the power has one sign on each interval.
     power = stepwise(load.torque * load.velocity, load.power_sign)
     weighted = float(power.inner(load.torque * load.torque)[0])
-    return float((max(weighted, 0.0) / travel) ** (1 / _EXPONENT))
+    return float((max(weighted, 0.0) / (load.mean_speed * load.duration)) ** (1 / _EXPONENT))
 
 
 def expected_life(
@@ -94,6 +93,7 @@ def expected_life(
 
     Harmonic Drive, engineering data CSD-2A, p. 20, for the wave generator's bearing. Infinite without load or motion.
     """
-    wear = average_speed * average_torque**_EXPONENT
-    with np.errstate(divide="ignore"):
-        return float(np.divide(rated_life * rated_speed * rated_torque**_EXPONENT, wear))
+    # Ratios first: a cube of a torque overflows long before it means anything.
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        lighter = np.power(np.divide(rated_torque, average_torque), _EXPONENT)
+        return float(rated_life * np.divide(rated_speed, average_speed) * lighter)

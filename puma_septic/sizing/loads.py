@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +15,15 @@ from puma_septic.piecewise import Piecewise
 
 __all__ = ["JointLoad", "MotorLoad", "joint_load", "motor_load", "stepwise"]
 
+# Of the arm's largest torque, velocity or acceleration; the tolerance to which `Piecewise.fit` resolves a torque.
+_ROUNDING: Final = 1e-11
+
 
 @final
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class JointLoad:
     """One joint over a cycle, without its drive. All functions have one component; torque, velocity and
-    acceleration share their breaks.
+    acceleration share their breaks. What is rounding beside the arm's largest is exactly 0 in them.
 
     Attributes
     ----------
@@ -72,6 +75,11 @@ class JointLoad:
     def mean_speed(self) -> float:
         """Mean magnitude of the velocity, rests included."""
         return float(self.speed.integral()(self.speed.breaks[-1])[0]) / self.duration
+
+    @property
+    def moves(self) -> bool:
+        """Whether the joint does anything but rest."""
+        return bool(self.velocity_sign.any())
 
 
 @final
@@ -125,25 +133,26 @@ class MotorLoad:
 
 
 def joint_load(cycle: Cycle, j: int) -> JointLoad:
-    """What a cycle asks of joint j, split where its velocity or its power changes sign."""
-    torque = _component(cycle.load_torque, j)
-    roots = torque.roots()[0]
-    velocity, acceleration = (_component(cycle.trajectory.derivative(order), j) for order in (1, 2))
-    torque = torque.split(roots)
-    velocity, acceleration = velocity.split(torque.breaks), acceleration.split(torque.breaks)
+    """What a cycle asks of joint j, split where its velocity or its power changes sign.
+
+    A joint rests where the cycle says so, and where it is slower than rounding beside the arm's fastest joint.
+    """
+    torque = _resolved(cycle.load_torque, j)
+    torque = torque.split(torque.roots()[0])
+    velocity, acceleration = (_resolved(cycle.trajectory.derivative(order), j).split(torque.breaks) for order in (1, 2))
     middles = (torque.breaks[:-1] + torque.breaks[1:]) / 2
     interval = np.searchsorted(cycle.load_torque.breaks[1:-1], middles)
-    direction = cycle.velocity_sign[interval, j]
+    direction = np.where(velocity.coefficients.any(axis=(0, 2)), cycle.velocity_sign[interval, j], 0.0)
     return JointLoad(
         joint=cycle.joint_names[j],
         is_prismatic=bool(cycle.robot.is_prismatic[j]),
         torque=torque,
-        velocity=velocity,
+        velocity=stepwise(velocity, np.abs(direction)),
         acceleration=acceleration,
         velocity_sign=direction,
         power_sign=direction * torque.signs()[:, 0],
         braked=cycle.braked[interval],
-        gravity=_component(cycle.gravity_torque, j),
+        gravity=_resolved(cycle.gravity_torque, j, beside=cycle.load_torque),
         inertia=_component(cycle.inertia, j),
         unbounded=float(cycle.unbounded[j]),
         why_not_periodic=cycle.why_not_periodic,
@@ -174,6 +183,13 @@ def motor_load(load: JointLoad, train: Drivetrain) -> MotorLoad:
 def stepwise(f: Piecewise, factors: Array) -> Piecewise:
     """A function times one factor per interval."""
     return Piecewise(breaks=f.breaks, coefficients=f.coefficients * factors[None, :, None])
+
+
+def _resolved(f: Piecewise, j: int, *, beside: Piecewise | None = None) -> Piecewise:
+    """Component j, exactly 0 on the intervals on which it is rounding beside the largest component (of `beside`)."""
+    own = _component(f, j)
+    largest = np.abs((beside or f).coefficients).sum(axis=0).max()
+    return stepwise(own, np.abs(own.coefficients).sum(axis=(0, 2)) > _ROUNDING * largest)
 
 
 def _component(f: Piecewise, j: int) -> Piecewise:

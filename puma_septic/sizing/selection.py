@@ -168,11 +168,13 @@ def select_joint(
     n_broken = 0
     for k in np.flatnonzero((lowest <= _CERTAIN) & ~is_feasible).tolist():
         candidate = assessed(grid, table, k)
-        broken = _worst(candidate)
-        if broken is None:
-            is_feasible[k], found[k] = True, candidate
-        else:
+        broken, unmade = _worst(candidate), _unmade(candidate, [names[i] for i in np.flatnonzero(high[:, k] > 1)])
+        if broken is not None:
             reasons[k], lowest[k], n_broken = broken.quantity, broken.utilisation, n_broken + 1
+        elif unmade:
+            reasons[k], n_broken = f"{unmade} (cannot be assessed)", n_broken + 1
+        else:
+            is_feasible[k], found[k] = True, candidate
     kept = _ranked(grid, table, _keys(catalogue, rank, is_feasible, lowest), keep, found)
     return JointSelection(
         joint=load.joint,
@@ -204,6 +206,12 @@ def _worst(candidate: Candidate) -> SizingCheck | None:
     return next((c for c in candidate.checks if c.is_violated and c.kind != "rule of thumb"), None)
 
 
+def _unmade(candidate: Candidate, needed: list[str]) -> str:
+    """The first check that the bounds leave open and that could not be made; empty where all are."""
+    made = {check.quantity for check in candidate.checks}
+    return next((name for name in needed if name not in made), "")
+
+
 def _window(demands: Demands, grid: LoadGrid) -> RatioWindow | None:
     """By the moments of the load as it comes through the gears, losses of either direction included."""
     train = demands.train
@@ -212,7 +220,7 @@ def _window(demands: Demands, grid: LoadGrid) -> RatioWindow | None:
         return None
     passed = train.transmission[::-1]
     moments = LoadMoments(
-        torque_square=float(passed @ grid.gram[1:4, 1:4] @ passed),
+        torque_square=max(float(passed @ grid.gram[1:4, 1:4] @ passed), 0.0),
         acceleration_square=float(grid.gram[0, 0]),
         product=float(grid.gram[0, 1:4] @ passed),
         peak_speed=grid.moments.peak_speed,

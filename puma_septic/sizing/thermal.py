@@ -21,11 +21,12 @@ from puma_septic.piecewise import Piecewise, matrices
 
 __all__ = ["heating", "overload_time", "steady_cycle", "thermal_equation"]
 
-# Collocation degrees in turn; then the interval is halved. The tail of the series decides, relative to its largest.
+# Collocation degrees in turn; then the interval is halved. The tail of the series decides, relative to its largest or
+# to what the whole cycle's heat would do to the winding alone: an interval that adds only rounding to that is done.
 _DEGREES: Final = (16, 32, 64, 128)
 _TOLERANCE: Final = 1e-13
-# Halvings; a boundary layer of 1e-9 of an interval is resolved with 30.
-_DEEPEST: Final = 40
+# Pieces per interval of the loss, which bound the work. One piece spans about a hundred of the shortest time constant.
+_MOST_PIECES: Final = 256
 
 
 def overload_time(overload: float, time_constant: float) -> float:
@@ -78,27 +79,44 @@ def thermal_equation(
 def steady_cycle(matrix: Piecewise, source: Piecewise) -> Piecewise:
     """The solution of ``theta' = matrix theta + source`` that repeats itself.
 
+    The temperature runs away where the mean matrix already lets it: as heat only flows outwards and back, the growth is
+    a convex function of the diagonal (Cohen, "Convexity of the dominant eigenvalue of an essentially nonnegative
+    matrix", 1981), so that a loss that varies grows at least as fast as its mean.
+
     Raises
     ------
     NoSolution
         If each cycle adds more heat than it loses: the temperature runs away.
+    PumaSepticError
+        If loss, time constants and cycle are too far out of proportion to be resolved.
     """
-    pieces = _pieces(matrix, source)
     k = source.n_components
+    _relative_growth(matrix.integral()(matrix.breaks[-1]).reshape(k, k))
+    pieces = _pieces(matrix, source)
     # State after less state before, ``change theta + gain``: differences keep their digits where a cycle is short.
     change, gain = np.zeros((k, k)), np.zeros(k)
-    for _, series in pieces:
-        end = series.sum(axis=0)
-        gain = gain + end[:, 0] + end[:, 1:] @ gain
-        change = change + end[:, 1:] + end[:, 1:] @ change
-    growth = float(np.linalg.eigvals(change).real.max())
-    if not growth < 0:
+    with np.errstate(over="ignore", invalid="ignore"):
+        for _, series in pieces:
+            end = series.sum(axis=0)
+            gain = gain + end[:, 0] + end[:, 1:] @ gain
+            change = change + end[:, 1:] + end[:, 1:] @ change
+    if not (np.isfinite(change).all() and np.isfinite(gain).all()):
+        raise PumaSepticError("the winding's temperature swings too far within one cycle to be resolved")
+    if _relative_growth(change) >= -_TOLERANCE:
+        raise PumaSepticError("the winding's temperature comes too little nearer to its steady state in one cycle")
+    return _assembled(pieces, np.asarray(np.linalg.solve(change, -gain)))
+
+
+def _relative_growth(change: Array) -> float:
+    """Of the fastest growing state, beside the largest entry; a NoSolution where it grows by more than rounding."""
+    growth = float(np.linalg.eigvals(change).real.max() / np.abs(change).max())
+    if growth > _TOLERANCE:
         raise NoSolution(
             "the winding's temperature runs away: as its resistance grows, each cycle adds more heat than it loses",
             residual=growth,
             q=np.empty(0),
         )
-    return _assembled(pieces, np.asarray(np.linalg.solve(change, -gain)))
+    return growth
 
 
 def heating(matrix: Piecewise, source: Piecewise, start: Array) -> Piecewise:
@@ -111,49 +129,71 @@ Piece = tuple[tuple[float, float], Array]
 
 def _pieces(matrix: Piecewise, source: Piecewise) -> list[Piece]:
     """Intervals and, on each, series (degree + 1, k, 1 + k): response to the source, and growth of each unit state."""
-    pending = [(float(a), float(b), 0) for a, b in zip(matrix.breaks[:-1], matrix.breaks[1:], strict=True)][::-1]
+    n, k = len(source.breaks) - 1, source.n_components
+    given = np.concatenate([source.coefficients[..., None], matrix.coefficients.reshape(-1, n, k, k)], axis=3)
+    floor = np.zeros(1 + k)
+    floor[0] = np.abs(source.integral()(source.breaks[-1])).max()
     done: list[Piece] = []
-    while pending:
-        left, right, depth = pending.pop()
-        series = _solved(matrix, source, left, right)
-        if series is not None:
-            done.append(((left, right), series))
-        elif depth == _DEEPEST:
-            raise PumaSepticError(f"the winding's temperature does not converge on [{left:.9g}, {right:.9g}] s")
-        else:
-            middle = (left + right) / 2
-            pending += [(middle, right, depth + 1), (left, middle, depth + 1)]
+    for i, (start, stop) in enumerate(zip(source.breaks[:-1].tolist(), source.breaks[1:].tolist(), strict=True)):
+        done += _interval(given[:, i], start, stop, floor)
     return done
 
 
-def _solved(matrix: Piecewise, source: Piecewise, left: float, right: float) -> Array | None:
-    """The series on one interval by collocation; None where no degree resolves them."""
+def _interval(given: Array, start: float, stop: float, floor: Array) -> list[Piece]:
+    """The pieces of one interval, on which source and matrix have the series `given`, shape (degree + 1, k, 1 + k).
+
+    Places are kept on the interval's own scale, -1 to 1, on which halving is exact: an instant is rounded to the clock,
+    and a short piece far from its zero would see that as noise.
+    """
+    half = (stop - start) / 2
+    pending, done = [(-1.0, 1.0)], []
+    while pending:
+        a, b = pending.pop()
+        left, right = start + half * (a + 1), stop if b == 1 else start + half * (b + 1)
+        series = _solved(given, a, b, half, floor)
+        if series is not None:
+            done.append(((left, right), series))
+            continue
+        middle = (a + b) / 2
+        if len(done) + len(pending) + 2 > _MOST_PIECES or not left < start + half * (middle + 1) < right:
+            raise PumaSepticError(
+                f"the winding's temperature cannot be resolved at t = {left:.6g} s: its loss and time constants are out"
+                " of proportion to the motion"
+            )
+        pending += [(middle, b), (a, middle)]
+    return done
+
+
+def _solved(given: Array, a: float, b: float, half: float, floor: Array) -> Array | None:
+    """The series on one piece by collocation; None where no degree resolves them."""
     for degree in _DEGREES:
-        series = _collocated(matrix, source, left, right, degree)
+        try:
+            series = _collocated(given, a, b, half, degree)
+        except np.linalg.LinAlgError:  # singular to rounding, as any change of the state would do
+            return None
         tail = np.abs(series[-max(2, degree // 8) :]).max(axis=(0, 1))
         largest = np.abs(series).max(axis=(0, 1))
-        if (tail <= _TOLERANCE * largest).all():
+        if np.isfinite(largest).all() and (tail <= _TOLERANCE * np.maximum(largest, floor)).all():
             return series
     return None
 
 
-def _collocated(matrix: Piecewise, source: Piecewise, left: float, right: float, degree: int) -> Array:
+def _collocated(given: Array, a: float, b: float, half: float, degree: int) -> Array:
     """Coefficients (degree + 1, k, 1 + k) that satisfy the equation at the nodes but the first, where all are zero.
 
-    The growth w of a unit state e solves ``w' = matrix (w + e)``.
+    The growth w of a unit state e solves ``w' = matrix (w + e)``; the slope is by the place in the piece, -1 to 1.
     """
-    k = source.n_components
-    x = matrices.nodes(degree)
-    times = np.clip((left * (1 - x) + right * (1 + x)) / 2, left, np.nextafter(right, left))
-    at_nodes = matrix(times).reshape(-1, k, k)
+    k = given.shape[1]
+    y = matrices.nodes(degree)
+    basis = matrices.basis_at(a + (b - a) * (y + 1) / 2, len(given) - 1)
+    right = np.einsum("dn,dkc->nkc", basis, given) * (half * (b - a) / 2)
     values = matrices.values_matrix(degree, degree)
-    slopes = values[:, :degree] @ matrices.derivative_matrix(degree) * (2 / (right - left))
-    system = slopes[:, None, :, None] * np.eye(k)[None, :, None, :] - at_nodes[:, :, None, :] * values[:, None, :, None]
-    given = np.concatenate([source(times)[:, :, None], at_nodes], axis=2)
+    slopes = values[:, :degree] @ matrices.derivative_matrix(degree)
+    system = slopes[:, None, :, None] * np.eye(k)[None, :, None, :] - right[:, :, None, 1:] * values[:, None, :, None]
     system[0] = values[0][None, :, None] * np.eye(k)[:, None, :]
-    given[0] = 0.0
+    right[0] = 0.0
     size = (degree + 1) * k
-    solution = np.linalg.solve(system.reshape(size, size), given.reshape(size, 1 + k))
+    solution = np.linalg.solve(system.reshape(size, size), right.reshape(size, 1 + k))
     return np.asarray(solution.reshape(degree + 1, k, 1 + k))
 
 

@@ -16,6 +16,7 @@ import pytest
 import puma_septic as ps
 from puma_septic.cli import assess as assess_command
 from puma_septic.cli import main
+from puma_septic.cli.arguments import parse
 from puma_septic.cli.texts import broken_text
 from puma_septic.task import load_task, make_task, resolve_task
 
@@ -162,14 +163,14 @@ def test_png_adds_the_figures_of_matplotlib(joints: str, tmp_path: Path, capsys:
 
 
 def test_out_leaves_nothing_behind_when_a_figure_fails(
-    joints: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    joints: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def fail(*_: object) -> str:
         raise RuntimeError("no samples today")
 
     monkeypatch.setattr(assess_command, "samples_csv", fail)
-    with pytest.raises(RuntimeError, match="no samples today"):
-        main(["assess", joints, "--out", str(tmp_path / "out")])
+    assert main(["assess", joints, "--out", str(tmp_path / "out")]) == 70
+    assert "RuntimeError: no samples today" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["task.yaml"]
 
 
@@ -360,6 +361,52 @@ def test_an_interrupt_ends_in_one_line(monkeypatch: pytest.MonkeyPatch, capsys: 
     monkeypatch.setattr(assess_command, "run", interrupt)
     assert main(["assess"]) == 130
     assert capsys.readouterr() == ("", "puma-septic: interrupted\n")
+
+
+@pytest.mark.parametrize("where", [["--debug", "assess"], ["assess", "--debug"]])
+def test_an_unforeseen_exception_is_70_with_what_to_report(
+    where: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A ZeroDivisionError once left with Python's own exit code, 1, which a script reads as a broken limit."""
+
+    def fail(*_: object) -> None:
+        raise ZeroDivisionError("float division\nby zero")
+
+    monkeypatch.setattr(assess_command, "run", fail)
+    assert main(["assess", "my task.yaml"]) == 70
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.splitlines()[0] == "puma-septic: internal error: ZeroDivisionError: float division by zero"
+    assert "a fault of puma-septic, not of its input" in err
+    assert "command    puma-septic assess 'my task.yaml'\n" in err
+    assert f"version    puma-septic {ps.__version__}, Python " in err
+    assert "raised in  puma_septic/cli/__init__.py, line " in err
+    assert "--debug shows" in err
+    assert "Traceback" not in err
+    assert main(where) == 70
+    assert capsys.readouterr().err.startswith("Traceback (most recent call last):")
+
+
+@pytest.mark.parametrize("command", ["assess", "ik", "paper", "replay", "compare", "optimise", "profiles", "size"])
+def test_every_command_takes_debug(command: str) -> None:
+    assert parse([command, "--debug"]).debug
+
+
+def test_debug_changes_nothing_of_bad_input(capsys: pytest.CaptureFixture[str]) -> None:
+    assert_bad_input(["assess", "none.yaml", "--debug"], "this task file does not exist", capsys)
+
+
+def test_a_result_that_cannot_be_written_is_no_verdict() -> None:
+    """A full disk and a closed output once were tracebacks with exit code 1; a closed stderr hides only the reason."""
+    shell = f"{sys.executable} -m puma_septic.cli assess"
+    if Path("/dev/full").exists():  # of Linux
+        full = subprocess.run(["sh", "-c", f"{shell} > /dev/full"], stderr=subprocess.PIPE, text=True)
+        assert full.returncode == 2
+        assert full.stderr == "puma-septic: error: cannot write the result: No space left on device\n"
+    closed = subprocess.run(["sh", "-c", f"{shell} >&-"], stderr=subprocess.PIPE, text=True)
+    assert closed.returncode == 2
+    assert closed.stderr == "puma-septic: error: cannot write the result: the standard output is closed\n"
+    assert subprocess.run(["sh", "-c", f"{shell} none.yaml 2>&-"], stdout=subprocess.PIPE).returncode == 2
 
 
 def test_a_terminal_without_the_characters_shows_their_numbers(joints: str) -> None:

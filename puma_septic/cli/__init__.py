@@ -12,11 +12,13 @@ from contextlib import suppress
 from importlib import import_module
 from typing import Any
 
+from puma_septic.cli._faults import fault_text
 from puma_septic.cli.arguments import Answer, parse
 
 __all__ = ["main"]
 
 BAD_INPUT = 2
+FAULT = 70  # EX_SOFTWARE of sysexits.h
 INTERRUPTED = 130  # as a shell reports Ctrl-C
 
 
@@ -32,34 +34,54 @@ def main(argv: Sequence[str] | None = None) -> int:
     -------
     int
         0: all shown profiles of the task are feasible (`ik`: each pose has a branch within limits; `paper`: always).
-        1: one of them violates a limit. 2: bad input, told in one line on stderr; a pose out of reach is one.
-        130: interrupted.
+        1: one of them violates a limit. 2: bad input, told in one line on stderr; a pose out of reach is one, and so is
+        a place that cannot be written to. 70: a fault of the program itself, with what to report. 130: interrupted.
     """
+    given = list(sys.argv[1:] if argv is None else argv)
     try:
-        arguments = parse(argv)
+        return _answered(given)
+    except KeyboardInterrupt:
+        _complain("puma-septic: interrupted\n")
+        return INTERRUPTED
+    except Exception as error:  # the last resort: Python's own exit code would be 1, which is a verdict
+        _complain(fault_text(error, given, debug="--debug" in given))
+        return FAULT
+
+
+def _answered(given: list[str]) -> int:
+    """The exit code of a command that ends as foreseen."""
+    try:
+        arguments = parse(given)
     except SystemExit as stop:  # argparse after --help, --version or a wrong argument
         return int(stop.code or 0)
+    errors: Any = import_module("puma_septic.errors")
     try:
-        errors: Any = import_module("puma_septic.errors")
-        try:
-            answer: Answer = import_module(f"puma_septic.cli.{arguments.command}").run(arguments)
-        except errors.PumaSepticError as error:
-            sys.stderr.write(f"puma-septic: error: {' '.join(str(error).split())}\n")
-            return BAD_INPUT
+        answer: Answer = import_module(f"puma_septic.cli.{arguments.command}").run(arguments)
         _write(answer.text)
-    except KeyboardInterrupt:
-        sys.stderr.write("puma-septic: interrupted\n")
-        return INTERRUPTED
+    except errors.PumaSepticError as error:
+        _complain(f"puma-septic: error: {' '.join(str(error).split())}\n")
+        return BAD_INPUT
     return answer.exit_code
 
 
 def _write(text: str) -> None:
     """Write the result; a reader that has seen enough (``| head``) ends it without a complaint."""
+    errors: Any = import_module("puma_septic.errors")
+    if sys.stdout is None:
+        raise errors.InputError("cannot write the result: the standard output is closed")
     with suppress(AttributeError):  # a terminal that lacks a character shows its number
         sys.stdout.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
     try:
         sys.stdout.write(text if text.endswith("\n") else f"{text}\n")
         sys.stdout.flush()
-    except BrokenPipeError:
+    except OSError as error:
         # The interpreter flushes once more when it ends.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not isinstance(error, BrokenPipeError):
+            raise errors.InputError(f"cannot write the result: {error.strerror or error}") from error
+
+
+def _complain(text: str) -> None:
+    """On stderr, unless it is closed."""
+    if sys.stderr is not None:
+        sys.stderr.write(text)

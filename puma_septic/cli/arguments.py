@@ -39,10 +39,12 @@ def parse(argv: Sequence[str] | None) -> Namespace:
     parser = _Parser(
         prog="puma-septic",
         description="Joint trajectories of robot arms, held against what the motors can do.",
-        epilog="Exit code: 0 all shown profiles are feasible, 1 one of them violates a limit, 2 bad input.",
+        epilog="Exit code: 0 all shown profiles are feasible, 1 one of them violates a limit, 2 bad input,"
+        " 70 a fault of the program.",
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"puma-septic {__version__}")
+    _add_debug(parser)
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     _add_assess(_command(commands, "assess", "torque, jerk and limits of a task's profiles", _ASSESS))
     _add_ik(_command(commands, "ik", "branches of the inverse kinematics", _IK))
@@ -95,7 +97,13 @@ def _command(commands: object, name: str, summary: str, description: str) -> Arg
         allow_abbrev=False,
         formatter_class=RawDescriptionHelpFormatter,
     )
+    _add_debug(parser)
     return parser
+
+
+def _add_debug(parser: ArgumentParser) -> None:
+    """Before or after the command; `main` reads it from the arguments as they are, whatever becomes of them."""
+    parser.add_argument("--debug", action="store_true", help="after an internal error: show the full traceback")
 
 
 def _add_assess(parser: ArgumentParser) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from arms import pendulum
 
 from puma_septic.cli import main
 
@@ -96,12 +97,39 @@ def test_a_catalogue_without_a_fit(capsys: pytest.CaptureFixture[str], tmp_path:
     assert {path.name for path in folder.iterdir()} == {"sizing.json", "pairs.csv"}
 
 
+def test_the_electronics_of_a_drives_file_hold_for_a_catalogue(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """The file was once left unread beside a catalogue, without a word: 1 mA was enough for any motor."""
+    file = tmp_path / "drives.toml"
+    current = '{ value = 0.001, source = "test" }'
+    file.write_text(f'schema = 1\nrobot = "puma560"\n[joints.joint2.drive]\npeak_current = {current}\n')
+    code, out, _ = ask(capsys, "--catalogue", "example", "--keep", "1", "--drives", str(file))
+    assert code == 1
+    assert "no pair is strong enough for joint2 (peak current rejects most)" in " ".join(out.split())
+
+
+def test_a_robot_without_gear_ratios_is_told_the_options(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    task = tmp_path / "task.yaml"
+    urdf = pendulum(tmp_path).name
+    task.write_text(
+        f"name: swing\nrobot: {{source: {tmp_path / urdf}.urdf}}\npoints: [{{joints: [0]}}, {{joints: [1]}}]\n"
+        "times: [0, 1]\nprofiles: [quintic]\n"
+    )
+    code, _, err = ask(capsys, str(task))
+    assert code == 2
+    assert "joint 'swing': its gear ratio is not known" in err
+    assert "here: --actuators FILE, or --catalogue to choose drives" in err
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--catalogue", "a.csv"], "--catalogue: 1 files given; expected motors and gearboxes"),
+        (["--catalogue", "a.csv"], "--catalogue a.csv: expected one of example, puma560, or two or three CSV files"),
         (["--catalogue", "none.csv", "none.csv"], "none.csv: this catalogue does not exist"),
-        (["--catalogue", "example", "--keep", "0"], "keep = 0"),
+        (["--catalogue", "example", "--keep", "0"], "--keep: '0' is not a whole number from 1"),
+        (["--keep", "2", "--masses", "at"], "--keep, --masses goes with --catalogue: name the parts to choose from"),
+        (["--catalogue", "example", "--drives", "none.toml"], "none.toml: this drives file does not exist"),
         (["--drives", "none.toml"], "none.toml: this drives file does not exist"),
         (["--rank", "price"], "invalid choice: 'price'"),
     ],

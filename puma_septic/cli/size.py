@@ -5,6 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 from importlib import import_module
 from pathlib import Path
+from typing import Final
 
 from puma_septic.cli.arguments import Answer
 from puma_septic.cli.tasks import asked_task
@@ -13,7 +14,6 @@ from puma_septic.cycle import Cycle, Dwell, with_return
 from puma_septic.drives import (
     BUILT_IN,
     Catalogue,
-    Drivetrain,
     built_in_catalogue,
     load_catalogue,
     load_drivetrains,
@@ -23,28 +23,20 @@ from puma_septic.errors import InputError
 from puma_septic.motion import compute_motion
 from puma_septic.report import new_folder, to_json
 from puma_septic.report.sizing_sheets import checks_csv, load_profile_csv, pairs_csv
-from puma_septic.robot import Robot
 from puma_septic.sizing import Selection, Sizing, size
 from puma_septic.task import ResolvedTask, resolve_task
 
 __all__ = ["run"]
+
+# Pairs that are shown per joint unless --keep tells another number.
+_KEPT: Final = 3
 
 
 def run(arguments: Namespace) -> Answer:
     """Size the arm's own drives, or choose from a catalogue."""
     resolved = resolve_task(asked_task(arguments, "paper"))
     cycle = _cycle(resolved, one_way=arguments.one_way)
-    found: Sizing | Selection
-    if arguments.catalogue is None:
-        found = size(cycle, drivetrains=_own(resolved.robot, arguments.drives))
-    else:
-        found = size(
-            cycle,
-            catalogue=_catalogue(arguments.catalogue),
-            rank=arguments.rank,
-            keep=arguments.keep,
-            masses=arguments.masses,
-        )
+    found = _own_sizing(arguments, cycle) if arguments.catalogue is None else _selection(arguments, cycle)
     if arguments.out is not None:
         _write_folder(arguments.out, found, f"{resolved.task.name}: sizing")
     return Answer(_text(arguments, resolved, found), 0 if found.is_feasible else 1)
@@ -59,11 +51,31 @@ def _cycle(resolved: ResolvedTask, *, one_way: bool) -> Cycle:
     return with_return(motion, dwell=dwell, robot_back=resolved.robot.with_payload(None))
 
 
-def _own(robot: Robot, file: str | None) -> tuple[Drivetrain, ...]:
-    """What is known of the arm's own drives: a file, the built-in one, or its actuators alone."""
-    if file is not None:
-        return load_drivetrains(robot, file)
-    return load_drivetrains(robot) if robot.name == "puma560" else own_drivetrains(robot)
+def _own_sizing(arguments: Namespace, cycle: Cycle) -> Sizing:
+    """The arm's own drives, as far as a file, the built-in one, or its actuators alone tell."""
+    idle = [f"--{name}" for name in ("rank", "keep", "masses") if getattr(arguments, name) is not None]
+    if idle:
+        raise InputError(f"{', '.join(idle)} goes with --catalogue: name the parts to choose from")
+    robot = cycle.robot
+    bare = arguments.drives is None and robot.name != "puma560"
+    try:
+        trains = own_drivetrains(robot) if bare else load_drivetrains(robot, arguments.drives)
+    except InputError as error:
+        raise InputError(f"{error}; here: --actuators FILE, or --catalogue to choose drives") from error
+    return size(cycle, drivetrains=trains)
+
+
+def _selection(arguments: Namespace, cycle: Cycle) -> Selection:
+    """From a catalogue, with the electronics of a drives file where one is given."""
+    places = None if arguments.drives is None else load_drivetrains(cycle.robot, arguments.drives)
+    return size(
+        cycle,
+        catalogue=_catalogue(arguments.catalogue),
+        drivetrains=places,
+        rank=arguments.rank or "mass",
+        keep=arguments.keep or _KEPT,
+        masses=arguments.masses,
+    )
 
 
 def _catalogue(files: list[str]) -> Catalogue:
@@ -71,8 +83,8 @@ def _catalogue(files: list[str]) -> Catalogue:
         return built_in_catalogue(files[0])
     if len(files) not in (2, 3):
         raise InputError(
-            f"--catalogue: {len(files)} files given; expected motors and gearboxes, pairs if not all fit together, or"
-            f" one of {', '.join(BUILT_IN)}"
+            f"--catalogue {' '.join(files)}: expected one of {', '.join(BUILT_IN)}, or two or three CSV files: motors,"
+            " gearboxes and, if not all fit together, pairs"
         )
     return load_catalogue(*files)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -165,7 +166,23 @@ def test_a_robot_without_gear_ratios_has_no_drives_to_tell_of(tmp_path: Path) ->
     [
         ("schema = 2", r"expected schema = 1 and robot = 'puma560', got 2 and None"),
         ("schema = ", "not valid TOML"),
-        ("[joints.elbow.motor]", "unknown key 'elbow'; valid: joint1, joint2"),
+        ("[joints.elbow.motor]", "unknown joint 'elbow'; valid: joint1, joint2"),
+        (
+            '[joint.joint2.motor]\nmax_speed = { value = 1.0, source = "x" }',  # the s is missing; once left unread
+            "drives.toml: unknown key 'joint'; valid: schema, robot, joints; did you mean 'joints'",
+        ),
+        ("schema = true\nrobot = 'puma560'", "expected schema = 1 and robot = 'puma560', got True and 'puma560'"),
+        ("a." * 20 + "b = 1", "a key with more than 16 dotted parts is not allowed"),
+        (
+            "[joints.joint1.motor]\npeak_curve = { value = [[0, 1], [2]], source = 's' }",
+            r"joint 'joint1', motor: peak_curve: expected numbers of shape \(n, 2\), got \[\[0, 1\], \[2\]\]",
+        ),
+        (
+            "[joints.joint1.motor]\npeak_curve = { value = [1979-05-27, 1979-05-27], source = 's' }",
+            r"peak_curve: expected numbers of shape \(n, 2\), got \[datetime.date",
+        ),
+        ("[joints.joint1.motor]\npeak_curve = { value = {}, source = 's' }", "peak_curve: expected numbers of shape"),
+        ("[joints.joint1.motor]\nname = { value = nan, source = 's' }", "motor: name: expected text, got nan"),
         ("[joints.joint1.engine]", "joint 'joint1': unknown key 'engine'; valid: motor, gearbox, drive"),
         ("[joints.joint1.motor]\nrotor_inertia = 1", "motor: unknown key 'rotor_inertia'"),
         ("[joints.joint1.motor]\npeak_torque = 1", "motor peak_torque: expected a table, got 1"),
@@ -178,3 +195,18 @@ def test_a_bad_drives_file_is_refused_with_its_place(puma: ps.Robot, tmp_path: P
     file.write_text(text if text.startswith("schema") else f'schema = 1\nrobot = "puma560"\n{text}\n')
     with pytest.raises(ps.ModelError, match=message):
         ps.load_drivetrains(puma, file)
+
+
+def test_the_examples_of_the_docs_are_read(puma: ps.Robot, tmp_path: Path) -> None:
+    """The page once showed an argument that does not exist, and nothing of the file that it speaks of."""
+    page = (Path(__file__).parents[1] / "docs" / "howto" / "motors.md").read_text(encoding="utf-8")
+    (toml,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    file = tmp_path / "drives.toml"
+    file.write_text(toml, encoding="utf-8")
+    train = ps.load_drivetrains(puma, file)[1]
+    assert (train.motor.peak_torque, train.gearbox.max_repeated_torque, train.drive.bus_voltage) == (1.5, 120.0, 40.0)
+    assert "peak_torque: " in train.motor.source
+    (code,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    names: dict = {"ps": ps}
+    exec(compile(code, "motors.md", "exec"), names)
+    assert names["train"].reflected_inertia == 2.0

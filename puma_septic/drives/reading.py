@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, Final
@@ -13,11 +12,10 @@ from puma_septic.drives.drivetrain import Drivetrain
 from puma_septic.drives.values import Drive, Friction, Gearbox, Motor
 from puma_septic.errors import InputError, ModelError
 from puma_septic.robot import Robot
-from puma_septic.robot.urdf_text import read_utf8
+from puma_septic.robot.toml_text import read_toml, table
 
 __all__ = ["load_drivetrains", "own_drivetrains"]
 
-_MAX_BYTES: Final = 64_000
 _PARTS: Final[dict[str, Any]] = {"motor": Motor, "gearbox": Gearbox, "drive": Drive}
 # What the robot itself knows: it must not be told twice.
 _FROM_ROBOT: Final[dict[str, tuple[str, ...]]] = {
@@ -95,16 +93,13 @@ def load_drivetrains(robot: Robot, path: str | Path | None = None) -> tuple[Driv
     0.228
     """
     file = _built_in(robot) if path is None else Path(path)
-    try:
-        data = tomllib.loads(read_utf8(file, "drives file", _MAX_BYTES))
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise ModelError(f"{file}: not valid TOML: {error}") from error
-    if data.get("schema") != 1 or data.get("robot") != robot.name:
+    data = table(read_toml(file, "drives file"), str(file), ("schema", "robot", "joints"))
+    schema = data.get("schema")
+    if isinstance(schema, bool) or schema != 1 or data.get("robot") != robot.name:
         raise ModelError(
-            f"{file}: expected schema = 1 and robot = {robot.name!r},"
-            f" got {data.get('schema')!r} and {data.get('robot')!r}"
+            f"{file}: expected schema = 1 and robot = {robot.name!r}, got {schema!r} and {data.get('robot')!r}"
         )
-    joints = _table(data.get("joints", {}), f"{file}, [joints]", robot.joint_names)
+    joints = table(data.get("joints", {}), f"{file}, [joints]", robot.joint_names, kind="joint")
     return tuple(
         _completed(train, joints.get(name, {}), f"{file}, joint {name!r}")
         for name, train in zip(robot.joint_names, own_drivetrains(robot), strict=True)
@@ -121,22 +116,13 @@ def _built_in(robot: Robot) -> Path:
     return file
 
 
-def _table(value: object, where: str, keys: tuple[str, ...]) -> dict[str, Any]:
-    if not isinstance(value, dict):
-        raise ModelError(f"{where}: expected a table, got {value!r}")
-    for key in value:
-        if key not in keys:
-            raise ModelError(f"{where}: unknown key {key!r}; valid: {', '.join(keys)}")
-    return value
-
-
 def _completed(train: Drivetrain, parts: object, where: str) -> Drivetrain:
     """The drivetrain with the values of a joint's table written over its own."""
     changed: dict[str, Any] = {}
-    for part, table in _table(parts, where, tuple(_PARTS)).items():
+    for part, entries in table(parts, where, tuple(_PARTS)).items():
         valid = tuple(f.name for f in fields(_PARTS[part]) if f.name not in (*_FROM_ROBOT[part], "source"))
         own, values, sources = getattr(train, part), {}, []
-        for key, entry in _table(table, f"{where}, {part}", valid).items():
+        for key, entry in table(entries, f"{where}, {part}", valid).items():
             values[key], source = _sourced(entry, f"{where}, {part} {key}")
             sources.append(f"{key}: {source}")
         try:
@@ -148,7 +134,7 @@ def _completed(train: Drivetrain, parts: object, where: str) -> Drivetrain:
 
 def _sourced(entry: object, where: str) -> tuple[Any, str]:
     """A value and where it comes from."""
-    pair = _table(entry, where, ("value", "source"))
+    pair = table(entry, where, ("value", "source"))
     if set(pair) != {"value", "source"} or not isinstance(pair["source"], str):
         raise ModelError(f'{where}: expected {{ value = ..., source = "..." }}, got {entry!r}')
     return pair["value"], pair["source"]

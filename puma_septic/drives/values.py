@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import reprlib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, final
 
@@ -32,9 +33,18 @@ def _check(part: object, units: Mapping[str, str], bounds: Mapping[str, float]) 
             object.__setattr__(part, name, checked_number(name, value, unit=unit, **bounds))
 
 
+def _check_texts(part: object) -> None:
+    for name in ("name", "source"):
+        value = getattr(part, name)
+        if not isinstance(value, str):
+            raise InputError(f"{name}: expected text, got {reprlib.repr(value)}")
+
+
 def _check_curve(part: object, name: str) -> None:
     """Store a curve as an array of (speed, torque) rows: speeds from 0 upwards, torques not negative."""
-    curve = checked_array(name, np.reshape(getattr(part, name), (-1, 2)), (None, 2))
+    given = getattr(part, name)
+    is_empty = isinstance(given, Sequence) and not given
+    curve = checked_array(name, np.empty((0, 2)) if is_empty else given, (None, 2))
     if len(curve):
         if len(curve) == 1:
             raise InputError(f"{name}: a curve needs at least two (speed, torque) rows, got {curve.tolist()}")
@@ -165,6 +175,7 @@ class Motor:
     source: str = ""
 
     def __post_init__(self) -> None:
+        _check_texts(self)
         positive = {
             "torque_constant": "N m/A", "peak_torque": "N m", "continuous_torque": "N m", "max_speed": "rad/s",
             "peak_power": "W", "max_inertia_ratio": "",
@@ -255,6 +266,7 @@ class Gearbox:
     source: str = ""
 
     def __post_init__(self) -> None:
+        _check_texts(self)
         if checked_number("gear ratio", self.ratio) == 0:
             raise InputError("gear ratio = 0: the ratio of motor speed to joint speed cannot be zero")
         positive = {
@@ -309,6 +321,7 @@ class Drive:
     source: str = ""
 
     def __post_init__(self) -> None:
+        _check_texts(self)
         positive = {
             "bus_voltage": "V", "continuous_current": "A", "peak_current": "A", "continuous_power": "W",
             "peak_power": "W", "peak_regenerated_power": "W", "brake_resistor_power": "W",

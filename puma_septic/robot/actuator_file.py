@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,14 +11,11 @@ import numpy as np
 
 from puma_septic.checks import Array, checked_array, checked_choice
 from puma_septic.errors import InputError, ModelError
-from puma_septic.robot.urdf_text import read_utf8
+from puma_septic.robot.toml_text import read_toml, table
 from puma_septic.robot.values import Actuator, Limits
 
 __all__ = ["ActuatorFile", "ParameterSet", "read_actuator_file"]
 
-MAX_BYTES = 64_000
-# A dotted key of 10,000 parts (20 KB) costs tomllib 0.7 s and 396 MB (measured, CPython 3.11): 16 at most.
-DEEP_KEY = re.compile(r"(?:[^\s.=,\[\]{}#]{1,100}[ \t]*\.[ \t]*){16}")
 QUANTITIES = ("velocity", "acceleration", "jerk", "effort")
 DRIVE_KEYS = ("gear_ratio", "rotor_inertia", "armature", "viscous_friction", "coulomb_friction")
 
@@ -73,10 +68,10 @@ class ActuatorFile:
         """
         chosen = checked_choice(f"parameters of {self.path.name}", name or self.default_parameters, self.parameters)
         where = f"{self.path}, [parameters.{chosen}]"
-        data = _table(self.parameters[chosen], where, ("source", "note", "joints", "links", "origins"))
+        data = table(self.parameters[chosen], where, ("source", "note", "joints", "links", "origins"))
         source = _text(data, "source", where)
         note = _text(data, "note", where)
-        drives = _table(data.get("joints", {}), f"{where} joints", [*joint_names, *locked], kind="joint")
+        drives = table(data.get("joints", {}), f"{where} joints", [*joint_names, *locked], kind="joint")
         for joint in joint_names:
             if joint not in drives:
                 raise ModelError(
@@ -101,11 +96,11 @@ class ActuatorFile:
             return urdf
         chosen = checked_choice(f"limits of {self.path.name}", name or self.default_limits or "", self.limits)
         where = f"{self.path}, [limits.{chosen}]"
-        data = _table(self.limits[chosen], where, ("source", "note", "position", *QUANTITIES))
+        data = table(self.limits[chosen], where, ("source", "note", "position", *QUANTITIES))
         values = {key: np.full(len(joint_names), np.nan) for key in QUANTITIES}
         position = np.array(urdf.position)
         for key in ("position", *QUANTITIES):
-            given = _table(data.get(key, {}), f"{where} {key}", [*joint_names, *locked], kind="joint")
+            given = table(data.get(key, {}), f"{where} {key}", [*joint_names, *locked], kind="joint")
             for joint, value in given.items():
                 if joint not in joint_names:
                     continue
@@ -127,23 +122,17 @@ def read_actuator_file(path: Path, robot_name: str) -> ActuatorFile:
     ModelError
         For a missing, oversized or malformed file, an unknown key, or another robot's file.
     """
-    text = read_utf8(path, "actuator file", MAX_BYTES)
-    if DEEP_KEY.search(text):
-        raise ModelError(f"{path}: a key with more than 16 dotted parts is not allowed")
-    try:
-        data = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
-        raise ModelError(f"{path}: not valid TOML: {error}") from error
+    data = read_toml(path, "actuator file")
     known = ("schema", "robot", "tool", "default_parameters", "default_limits", "parameters", "limits")
-    _table(data, str(path), known)
+    table(data, str(path), known)
     if data.get("schema") != 1:
         raise ModelError(f"{path}: schema = {data.get('schema')!r}, expected schema = 1")
     if _text(data, "robot", str(path)) not in ("", robot_name):
         raise ModelError(f"{path}: written for robot {data['robot']!r}, but the URDF's is {robot_name!r}")
-    parameters = _table(data.get("parameters", {}), f"{path}, [parameters]")
+    parameters = table(data.get("parameters", {}), f"{path}, [parameters]")
     if not parameters:
         raise ModelError(f"{path}: no parameter set; expected a table [parameters.NAME.joints.JOINT]")
-    limits = _table(data.get("limits", {}), f"{path}, [limits]")
+    limits = table(data.get("limits", {}), f"{path}, [limits]")
     return ActuatorFile(
         path=path,
         tool=_text(data, "tool", str(path)) or None,
@@ -163,7 +152,7 @@ def _default(data: Mapping[str, Any], kind: str, sets: Mapping[str, Any], path: 
 
 
 def _actuator(value: object, where: str, source: str) -> Actuator:
-    data = _table(value, where, DRIVE_KEYS)
+    data = table(value, where, DRIVE_KEYS)
     if "gear_ratio" not in data:
         raise ModelError(f"{where}: gear_ratio is missing")
     if ("rotor_inertia" in data) == ("armature" in data):
@@ -188,21 +177,11 @@ def _actuator(value: object, where: str, source: str) -> Actuator:
         raise ModelError(f"{where}: {error}") from error
 
 
-def _table(value: object, where: str, keys: Sequence[str] | None = None, *, kind: str = "key") -> dict[str, Any]:
-    """A TOML table that has none but these keys."""
-    if not isinstance(value, dict):
-        raise ModelError(f"{where}: expected a table, got {value!r}")
-    for key in value:
-        if keys is not None and key not in keys:
-            raise ModelError(f"{where}: unknown {kind} {key!r}; valid: {', '.join(keys)}")
-    return value
-
-
 def _vectors(value: object, key: str, where: str) -> dict[str, Array]:
     """Tables ``NAME = {key = [x, y, z]}`` as vectors by name."""
     result = {}
-    for name, entry in _table(value, where).items():
-        if key not in _table(entry, f"{where}.{name}", (key,)):
+    for name, entry in table(value, where).items():
+        if key not in table(entry, f"{where}.{name}", (key,)):
             raise ModelError(f"{where}.{name}: {key} is missing")
         result[name] = _numbers(entry[key], f"{where}.{name} {key}", (3,))
     return result

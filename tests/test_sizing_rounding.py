@@ -53,7 +53,7 @@ def test_a_loss_that_is_noise_is_solved_in_a_few_pieces(size: float) -> None:
 
 @pytest.mark.parametrize("start", [1e3, 1e5, 1.7e9])
 def test_temperature_does_not_depend_on_the_clock(start: float) -> None:
-    """1.7e9 s is a time stamp of today: one ulp there is 2.4e-7 s, which is what intervals may differ by."""
+    """1.7e9 s is a time stamp of today."""
     loss = np.array([[50.0, 5.0], [20.0, -5.0], [3.0, 1.0]])
     early, late = (steady(series(loss, (t, t + 1.0, t + 4.0)), copper=0.00393) for t in (0.0, start))
     np.testing.assert_allclose(late.extrema().max, early.extrema().max, rtol=1e-12)
@@ -116,9 +116,9 @@ def there_and_back(noise: float, joint: int = 3) -> ps.Cycle:
     return ps.cycle.with_return(there, dwell=0.5, robot_back=robot.with_payload(ps.Payload(mass=0.0)))
 
 
-@pytest.mark.parametrize("noise", [1e-16, 1e-13, 5e-13])
+@pytest.mark.parametrize("noise", [1e-16, 1e-13, 1e-10])
 def test_a_joint_that_rests_but_for_rounding_is_sized_as_one_that_rests(noise: float) -> None:
-    """Points from numeric inverse kinematics differ by 1e-13 rad where they should be equal.
+    """Points from numeric inverse kinematics differ by 1e-10 rad and less where they should be equal.
 
     The choice once never came back; where it did, friction was charged and ratios up to 2.8e14 were recommended.
     """

@@ -8,7 +8,7 @@ import numpy as np
 
 from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise
-from puma_septic.sizing.loads import MotorLoad, stepwise
+from puma_septic.sizing.loads import MotorLoad
 
 __all__ = ["largest_ratio", "torque_at_speed", "voltage"]
 
@@ -42,19 +42,18 @@ def torque_at_speed(motor: MotorLoad, curve: Array) -> tuple[float, float, float
         beyond the curve's end, or one at which the curve is zero, is an infinite utilisation.
     """
     speeds = curve[:, 0]
-    size = stepwise(motor.speed, motor.direction)
-    shifted = [(size - _constant(size, speed)).roots()[0] for speed in speeds[1:]]
+    size = motor.speed.by_interval(motor.direction)
+    constants = [Piecewise.constant([speed], size.duration, start=size.start) for speed in speeds[1:]]
+    shifted = [(size - constant).roots()[0] for constant in constants]
     size = size.split(np.concatenate(shifted))
     fastest = size.extrema()
     if fastest.max[0] > speeds[-1] * (1 + 1e-12):
         time = float(fastest.t_max[0])
         return np.inf, float(abs(motor.torque(time)[0])), 0.0, time
-    middles = size((size.breaks[:-1] + size.breaks[1:]) / 2)[:, 0]
+    middles = size(size.middles)[:, 0]
     k = np.clip(np.searchsorted(speeds, middles, side="right") - 1, 0, len(curve) - 2)
     slopes = np.diff(curve[:, 1]) / np.diff(speeds)
-    limit = stepwise(size, slopes[k])
-    offsets = curve[k, 1] - slopes[k] * speeds[k]
-    limit = limit + Piecewise(breaks=limit.breaks, coefficients=offsets[None, :, None])
+    limit = size.by_interval(slopes[k]) + size.stepwise((curve[k, 1] - slopes[k] * speeds[k])[:, None])
     return largest_ratio(motor.torque, limit)
 
 
@@ -98,7 +97,3 @@ def _beside(f: Piecewise, time: float) -> tuple[float, float]:
     if not len(at) or at[0] in (0, len(f.breaks) - 1):
         return right, right
     return float(f.ends()[1][at[0] - 1, 0]), right
-
-
-def _constant(f: Piecewise, value: float) -> Piecewise:
-    return Piecewise(breaks=f.breaks, coefficients=np.full((1, len(f.breaks) - 1, 1), value))

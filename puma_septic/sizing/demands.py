@@ -80,7 +80,7 @@ class Demands:
             "rotor": self.motor.parts["rotor"] * ratio,
             "friction": self.motor.parts["friction"] * ratio,
         }
-        return {name: float(np.sqrt(f.inner(f)[0] / f.duration)) for name, f in parts.items()}
+        return {name: float(f.rms()[0]) for name, f in parts.items()}
 
     @cached_property
     def peak_speed(self) -> Peak:

@@ -12,6 +12,8 @@ from puma_septic.piecewise import Piecewise
 
 __all__ = ["Regeneration", "electric_power", "energies", "regeneration"]
 
+# Each energy is a difference of the integral from the start.
+_ROUNDING: Final = 1e-13
 # A cycle that returns more than it draws by no more than this part of what flows does not: some hundred times what a
 # torque's tolerance leaves in an energy.
 _BALANCED: Final = 1e-9
@@ -41,9 +43,13 @@ def electric_power(torque: Piecewise, speed: Piecewise, *, torque_constant: floa
 
 
 def energies(power: Piecewise) -> Array:
-    """Energy of each stretch of one sign, J, in order; their sum is that of the whole cycle."""
-    power = power.split(power.roots()[0])
-    return np.diff(power.integral()(power.breaks)[:, 0])
+    """Energy of each stretch of one sign, J, in order; their sum is that of the whole cycle.
+
+    What is rounding beside the sum of all magnitudes is 0.
+    """
+    power = power.split_at_roots()
+    flows = np.diff(power.integral()(power.breaks)[:, 0])
+    return np.where(np.abs(flows) > _ROUNDING * np.abs(flows).sum(), flows, 0.0)
 
 
 def regeneration(flows: Array, *, storable: float, periodic: bool) -> Regeneration:

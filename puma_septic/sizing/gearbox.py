@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from puma_septic.checks import checked_array, checked_number
 from puma_septic.errors import InputError
-from puma_septic.sizing.loads import JointLoad, stepwise
+from puma_septic.sizing.loads import JointLoad
 
 __all__ = ["allowed_momentary_peaks", "average_load_torque", "average_torque", "expected_life"]
 
@@ -81,7 +81,7 @@ def average_load_torque(load: JointLoad) -> float:
     if not np.isnan(load.unbounded):
         return np.inf
     # |v| |tau|^3 is |v tau| tau^2, and the power has one sign on each interval.
-    power = stepwise(load.torque * load.velocity, load.power_sign)
+    power = (load.torque * load.velocity).by_interval(load.power_sign)
     weighted = float(power.inner(load.torque * load.torque)[0])
     return float((max(weighted, 0.0) / (load.mean_speed * load.duration)) ** (1 / _EXPONENT))
 

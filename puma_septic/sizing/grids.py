@@ -21,7 +21,7 @@ from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise
 from puma_septic.sizing.electrical import energies
 from puma_septic.sizing.gearbox import average_load_torque
-from puma_septic.sizing.loads import JointLoad, stepwise
+from puma_septic.sizing.loads import JointLoad
 from puma_septic.sizing.ratios import LoadMoments, load_moments
 
 __all__ = ["LoadGrid", "load_grid"]
@@ -82,7 +82,7 @@ class LoadGrid:
 
 def load_grid(load: JointLoad) -> LoadGrid:
     """Prepare a load; see `LoadGrid`."""
-    torque, velocity = stepwise(load.torque, np.where(load.braked, 0.0, 1.0)), load.velocity
+    torque, velocity = load.torque.by_interval(~load.braked), load.velocity
     i, x, remainder = _instants(torque, velocity.degree + load.acceleration.degree)
     a, tau, v = (_values(f, i, x) for f in (load.acceleration, torque, velocity))
     kind = (load.power_sign * 3 + load.velocity_sign)[i]
@@ -134,11 +134,8 @@ def _features(a: Array, tau: Array, v: Array, power_sign: Array, velocity_sign: 
 
 def _gram(load: JointLoad, torque: Piecewise) -> Array:
     """Mean products of the features."""
-    steps = [
-        Piecewise(breaks=torque.breaks, coefficients=np.where(load.velocity_sign == s, s, 0.0)[None, :, None])
-        for s in (1.0, -1.0)
-    ]
-    parts = [stepwise(torque, np.where(load.power_sign == s, 1.0, 0.0)) for s in (1.0, 0.0, -1.0)]
+    steps = [torque.stepwise(np.where(load.velocity_sign == s, s, 0.0)[:, None]) for s in (1.0, -1.0)]
+    parts = [torque.by_interval(load.power_sign == s) for s in (1.0, 0.0, -1.0)]
     features = [load.acceleration, *parts, load.velocity, *steps]
     gram = np.zeros((_FEATURES, _FEATURES))
     for i, f in enumerate(features):

@@ -13,17 +13,19 @@ from puma_septic.cycle import Cycle
 from puma_septic.drives import Drivetrain
 from puma_septic.piecewise import Piecewise
 
-__all__ = ["JointLoad", "MotorLoad", "joint_load", "motor_load", "stepwise"]
+__all__ = ["JointLoad", "MotorLoad", "joint_load", "motor_load"]
 
-# Of the arm's largest torque, velocity or acceleration; the tolerance to which `Piecewise.fit` resolves a torque.
+# Of the arm's largest torque: the tolerance to which `Piecewise.fit` resolves one.
 _ROUNDING: Final = 1e-11
 
 
 @final
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class JointLoad:
-    """One joint over a cycle, without its drive. All functions have one component; torque, velocity and
-    acceleration share their breaks. What is rounding beside the arm's largest is exactly 0 in them.
+    """One joint over a cycle, without its drive.
+
+    All functions have one component; torque, velocity and acceleration share their breaks. A torque that is rounding
+    beside the arm's largest is exactly 0, and so are velocity and acceleration at rest.
 
     Attributes
     ----------
@@ -69,7 +71,7 @@ class JointLoad:
     @property
     def speed(self) -> Piecewise:
         """Magnitude of the velocity."""
-        return stepwise(self.velocity, self.velocity_sign)
+        return self.velocity.by_interval(self.velocity_sign)
 
     @property
     def mean_speed(self) -> float:
@@ -123,37 +125,38 @@ class MotorLoad:
         """Root mean square over the cycle, rests included, N m; infinite where the torque is."""
         if not np.isnan(self.unbounded):
             return np.inf
-        return float(np.sqrt(self.torque.inner(self.torque)[0] / self.duration))
+        return float(self.torque.rms()[0])
 
     @property
     def mean_speed(self) -> float:
         """Mean magnitude of the speed, rests included, rad/s."""
-        speed = stepwise(self.speed, self.direction)
+        speed = self.speed.by_interval(self.direction)
         return float(speed.integral()(speed.breaks[-1])[0]) / self.duration
 
 
 def joint_load(cycle: Cycle, j: int) -> JointLoad:
     """What a cycle asks of joint j, split where its velocity or its power changes sign.
 
-    A joint rests where the cycle says so, and where it is slower than rounding beside the arm's fastest joint.
+    Where the joint rests is the cycle's word, by its travel; what its velocity and acceleration have there is rounding.
     """
-    torque = _resolved(cycle.load_torque, j)
-    torque = torque.split(torque.roots()[0])
-    velocity, acceleration = (_resolved(cycle.trajectory.derivative(order), j).split(torque.breaks) for order in (1, 2))
-    middles = (torque.breaks[:-1] + torque.breaks[1:]) / 2
-    interval = np.searchsorted(cycle.load_torque.breaks[1:-1], middles)
-    direction = np.where(velocity.coefficients.any(axis=(0, 2)), cycle.velocity_sign[interval, j], 0.0)
+    rounding = _ROUNDING * np.abs(cycle.load_torque.coefficients).sum(axis=0).max()
+    torque = _resolved(cycle.load_torque[j], rounding).split_at_roots()
+    interval = np.searchsorted(cycle.load_torque.breaks[1:-1], torque.middles)
+    direction = cycle.velocity_sign[interval, j]
+    velocity, acceleration = (
+        cycle.trajectory.derivative(order)[j].aligned_with(torque).by_interval(np.abs(direction)) for order in (1, 2)
+    )
     return JointLoad(
         joint=cycle.joint_names[j],
         is_prismatic=bool(cycle.robot.is_prismatic[j]),
         torque=torque,
-        velocity=stepwise(velocity, np.abs(direction)),
+        velocity=velocity,
         acceleration=acceleration,
         velocity_sign=direction,
         power_sign=direction * torque.signs()[:, 0],
         braked=cycle.braked[interval],
-        gravity=_resolved(cycle.gravity_torque, j, beside=cycle.load_torque),
-        inertia=_component(cycle.inertia, j),
+        gravity=_resolved(cycle.gravity_torque[j], rounding),
+        inertia=cycle.inertia[j],
         unbounded=float(cycle.unbounded[j]),
         why_not_periodic=cycle.why_not_periodic,
     )
@@ -162,12 +165,11 @@ def joint_load(cycle: Cycle, j: int) -> JointLoad:
 def motor_load(load: JointLoad, train: Drivetrain) -> MotorLoad:
     """What the motor of a drive train sees of a joint's load; see `Drivetrain` for the equation."""
     n = train.ratio
-    free = ~load.braked
     passed = train.transmission[load.power_sign.astype(int) + 1] / n
     coulomb = train.coulomb_friction[load.velocity_sign.astype(int) + 1]
-    steps = Piecewise(breaks=load.torque.breaks, coefficients=coulomb[None, :, None])
+    steps = load.velocity.stepwise(coulomb[:, None])
     parts = {
-        "load": stepwise(load.torque, passed * free),
+        "load": load.torque.by_interval(passed * ~load.braked),
         "rotor": load.acceleration * (train.inertia * n),
         "friction": load.velocity * (train.viscous_friction * n) + steps,
     }
@@ -180,17 +182,6 @@ def motor_load(load: JointLoad, train: Drivetrain) -> MotorLoad:
     )
 
 
-def stepwise(f: Piecewise, factors: Array) -> Piecewise:
-    """A function times one factor per interval."""
-    return Piecewise(breaks=f.breaks, coefficients=f.coefficients * factors[None, :, None])
-
-
-def _resolved(f: Piecewise, j: int, *, beside: Piecewise | None = None) -> Piecewise:
-    """Component j, exactly 0 on the intervals on which it is rounding beside the largest component (of `beside`)."""
-    own = _component(f, j)
-    largest = np.abs((beside or f).coefficients).sum(axis=0).max()
-    return stepwise(own, np.abs(own.coefficients).sum(axis=(0, 2)) > _ROUNDING * largest)
-
-
-def _component(f: Piecewise, j: int) -> Piecewise:
-    return Piecewise(breaks=f.breaks, coefficients=f.coefficients[:, :, j : j + 1])
+def _resolved(f: Piecewise, rounding: float) -> Piecewise:
+    """A function of one component, exactly 0 on the intervals on which it is rounding."""
+    return f.by_interval(np.abs(f.coefficients).sum(axis=(0, 2)) > rounding)

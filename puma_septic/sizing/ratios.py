@@ -14,7 +14,7 @@ import numpy as np
 
 from puma_septic.checks import checked_number
 from puma_septic.piecewise import Piecewise
-from puma_septic.sizing.loads import JointLoad, stepwise
+from puma_septic.sizing.loads import JointLoad
 
 __all__ = ["LoadMoments", "RatioWindow", "accelerating_factor", "load_moments", "ratio_window"]
 
@@ -82,8 +82,7 @@ def accelerating_factor(continuous_torque: float, inertia: float) -> float:
 
 def load_moments(load: JointLoad) -> LoadMoments:
     """Means over a cycle; see `LoadMoments`."""
-    free = np.where(load.braked, 0.0, 1.0)
-    torque, acceleration = stepwise(load.torque, free), stepwise(load.acceleration, free)
+    torque, acceleration = (f.by_interval(~load.braked) for f in (load.torque, load.acceleration))
 
     def mean(f: Piecewise, g: Piecewise) -> float:
         return float(f.inner(g)[0]) / load.duration

@@ -68,12 +68,9 @@ def thermal_equation(
             exchange[i, i - 1] = outward[i - 1] / capacity[i]
             exchange[i, i] -= outward[i - 1] / capacity[i]
             exchange[i - 1, i] = outward[i - 1] / capacity[i - 1]
-    matrix = np.zeros((loss.degree + 1, len(loss.breaks) - 1, k * k))
-    matrix[:, :, 0] = loss.coefficients[:, :, 0] * copper / capacity[0]
-    matrix[0] += exchange.ravel()
-    source = np.zeros((loss.degree + 1, len(loss.breaks) - 1, k))
-    source[:, :, 0] = loss.coefficients[:, :, 0] * (1 + copper * excess) / capacity[0]
-    return Piecewise(breaks=loss.breaks, coefficients=matrix), Piecewise(breaks=loss.breaks, coefficients=source)
+    zero, constant = loss * 0.0, loss.stepwise(np.tile(exchange.ravel(), (len(loss.lengths), 1)))
+    matrix = Piecewise.concatenate([loss * (copper / capacity[0]), *[zero] * (k * k - 1)]) + constant
+    return matrix, Piecewise.concatenate([loss * ((1 + copper * excess) / capacity[0]), *[zero] * (k - 1)])
 
 
 def steady_cycle(matrix: Piecewise, source: Piecewise) -> Piecewise:
@@ -104,7 +101,7 @@ def steady_cycle(matrix: Piecewise, source: Piecewise) -> Piecewise:
         raise PumaSepticError("the winding's temperature swings too far within one cycle to be resolved")
     if _relative_growth(change) >= -_TOLERANCE:
         raise PumaSepticError("the winding's temperature comes too little nearer to its steady state in one cycle")
-    return _assembled(pieces, np.asarray(np.linalg.solve(change, -gain)))
+    return _assembled(pieces, np.asarray(np.linalg.solve(change, -gain))).shifted(source.start)
 
 
 def _relative_growth(change: Array) -> float:
@@ -121,20 +118,22 @@ def _relative_growth(change: Array) -> float:
 
 def heating(matrix: Piecewise, source: Piecewise, start: Array) -> Piecewise:
     """The solution of ``theta' = matrix theta + source`` from a given state, shape (k,)."""
-    return _assembled(_pieces(matrix, source), start)
+    return _assembled(_pieces(matrix, source), start).shifted(source.start)
 
 
 Piece = tuple[tuple[float, float], Array]
 
 
 def _pieces(matrix: Piecewise, source: Piecewise) -> list[Piece]:
-    """Intervals and, on each, series (degree + 1, k, 1 + k): response to the source, and growth of each unit state."""
-    n, k = len(source.breaks) - 1, source.n_components
+    """Intervals, in seconds from the start, and on each the series of the response to the source and of the growth of
+    each unit state, shape (degree + 1, k, 1 + k).
+    """
+    n, k = len(source.lengths), source.n_components
     given = np.concatenate([source.coefficients[..., None], matrix.coefficients.reshape(-1, n, k, k)], axis=3)
     floor = np.zeros(1 + k)
     floor[0] = np.abs(source.integral()(source.breaks[-1])).max()
     done: list[Piece] = []
-    for i, (start, stop) in enumerate(zip(source.breaks[:-1].tolist(), source.breaks[1:].tolist(), strict=True)):
+    for i, (start, stop) in enumerate(zip(source.offsets[:-1].tolist(), source.offsets[1:].tolist(), strict=True)):
         done += _interval(given[:, i], start, stop, floor)
     return done
 
@@ -198,7 +197,7 @@ def _collocated(given: Array, a: float, b: float, half: float, degree: int) -> A
 
 
 def _assembled(pieces: list[Piece], start: Array) -> Piecewise:
-    """The solution from a state at the beginning."""
+    """The solution from a state at the beginning, on a clock that begins at 0."""
     degree = max(len(series) for _, series in pieces) - 1
     coefficients = np.zeros((degree + 1, len(pieces), len(start)))
     state = np.asarray(start, dtype=np.float64)

@@ -366,3 +366,14 @@ def test_drive_trains_of_a_wrong_kind_are_refused() -> None:
     catalogue = ps.built_in_catalogue("puma560")
     with pytest.raises(ps.InputError, match="got one Drivetrain"):
         ps.size(cycle, catalogue=catalogue, drivetrains=trains[0])  # type: ignore[call-overload]
+
+
+def test_a_motion_beyond_the_joints_positions_is_told_whatever_the_drives() -> None:
+    """The paper's move cannot be made by the arm; its drives were once called strong enough without a word of that."""
+    told = "whatever the drives, the motion itself violates the position limits of joint2, joint4, joint5"
+    sizing = ps.size(paper_cycle())
+    assert told in sizing.remarks
+    assert told in ps.size(paper_cycle(), catalogue=ps.built_in_catalogue("puma560")).remarks
+    robot = paper_motion().robot
+    inside = ps.compute_motion(robot, ps.profiles.quintic([[0.0] * 6, [0.5] * 6], [0.0, 2.0]))
+    assert not any("whatever the drives" in line for line in ps.size(ps.Cycle(steps=[inside])).remarks)

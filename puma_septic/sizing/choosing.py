@@ -14,6 +14,7 @@ from puma_septic.cycle import Cycle
 from puma_septic.drives import Catalogue
 from puma_septic.errors import InputError
 from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_cycle, checked_drivetrains
+from puma_septic.sizing._positions import position_remarks
 from puma_septic.sizing.loads import joint_load
 from puma_septic.sizing.ratios import RatioWindow
 from puma_septic.sizing.result import Sizing, size
@@ -93,9 +94,10 @@ class Selection:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Notes, and columns of the catalogue that no check uses."""
-        unused = f"read, but used by no check: {', '.join(self.catalogue.unused)}"
-        return (*self.notes, unused) if self.catalogue.unused else self.notes
+        """Notes, columns of the catalogue that no check uses, and what no choice of drives mends."""
+        unused = self.catalogue.unused
+        columns = (f"read, but used by no check: {', '.join(unused)}",) if unused else ()
+        return (*self.notes, *columns, *position_remarks(self.cycle))
 
     def __str__(self) -> str:
         title = f"{self.cycle.robot.name}, cycle of {self.cycle.duration:g} s, by {self.rank}: {self.verdict}"

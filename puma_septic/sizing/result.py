@@ -12,6 +12,7 @@ from puma_septic.checks import Array, checked_choice, checked_number
 from puma_septic.cycle import Cycle
 from puma_septic.drives import Drivetrain, own_drivetrains
 from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_cycle, checked_drivetrains
+from puma_septic.sizing._positions import position_remarks
 from puma_septic.sizing.checks import assess_joint
 from puma_septic.sizing.demands import Demands
 from puma_septic.sizing.loads import joint_load, motor_load
@@ -123,6 +124,7 @@ class Sizing:
         lines = [self.cycle.why_not_periodic] if self.cycle.why_not_periodic else []
         for demands in self.demands:
             lines += [f"{demands.load.joint}: {assumption}" for assumption in demands.train.assumptions]
+        lines += position_remarks(self.cycle)
         return (*lines, "at rest, static friction may carry load; it is taken as 0 and the gears as lossless")
 
     def motor_load_profile(self, joint: str, *, step: float = 0.01) -> MotorLoadProfile:

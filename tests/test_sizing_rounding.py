@@ -19,6 +19,7 @@ from puma_septic.errors import NoSolution, PumaSepticError
 from puma_septic.piecewise import Piecewise
 from puma_septic.sizing.electrical import regeneration
 from puma_septic.sizing.gearbox import expected_life
+from puma_septic.sizing.outcome import most_used_first
 from puma_septic.sizing.selection import select_joint
 from puma_septic.sizing.thermal import steady_cycle, thermal_equation
 
@@ -159,6 +160,50 @@ def test_a_ratio_without_bound_is_told_so() -> None:
     rows = {line.split()[0]: line.split() for line in str(selection).splitlines() if "INVENTED" in line}
     assert rows["joint4"][-3:-1] == ["any", "above"]
     assert rows["joint2"][-2] == "to"
+
+
+def test_of_two_limits_that_are_used_alike_the_first_is_named() -> None:
+    """A peak torque and a curve that begins at it are used alike but for the last digit, which once chose the words."""
+    one = ps.sizing.SizingCheck(
+        joint="elbow", quantity="motor torque", demand=1.0, limit=3.0, unit="N m", time=0.0, kind="physics", source="x"
+    )
+    other = replace(one, quantity="motor torque at speed", demand=1.0 + 1e-15)
+    assert other.utilisation > one.utilisation
+    assert [c.quantity for c in most_used_first([one, other])] == ["motor torque", "motor torque at speed"]
+    assert most_used_first([one, replace(other, demand=1.1)])[0].demand == 1.1
+    assert most_used_first([one, replace(other, demand=np.inf)])[0].utilisation == np.inf
+
+
+NUMBERS = ("rms_torque", "mean_speed", "rms_current", "average_load_torque", "expected_life_hours")
+PEAKS = ("peak_load_torque", "peak_torque", "peak_speed", "peak_power", "peak_drawn_power", "peak_temperature_rise")
+
+
+@settings(max_examples=12, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), resting=st.sets(st.integers(0, 5), max_size=3))
+def test_an_input_changed_by_1e_12_changes_no_demand_by_more(seed: int, resting: set) -> None:
+    """Joints that rest or move, points a few 1e-12 rad apart: no friction turns up, no limit's use jumps.
+
+    The slope of a demand by a point is of the order of the demand for moves of a second and a radian; what divides by
+    the life of a gearbox, which grows with the cube, a few times that: 1e-9 leaves a factor of a hundred.
+    """
+    rng = np.random.default_rng(seed)
+    robot, catalogue = ps.load_robot(), ps.built_in_catalogue()
+    points = np.array([0.0, 0.6, -2.2, 0.0, 0.5, 0.0]) + 0.5 * rng.standard_normal((5, 6))
+    points[:, list(resting)] = points[0, list(resting)]
+    train = catalogue.drivetrain(int(rng.integers(catalogue.n_pairs)), 0)
+    found = []
+    for noise in (0.0, 1e-12):
+        changed = points + noise * rng.standard_normal(points.shape)
+        there = ps.compute_motion(robot, ps.profiles.quintic_spline(changed, [0.0, 1.0, 2.2, 3.0, 4.1]))
+        sizing = ps.size(ps.cycle.with_return(there, dwell=0.5), drivetrains=[train] * 6)
+        found.append(
+            [[getattr(d, name) for name in NUMBERS] + [getattr(d, name).size for name in PEAKS] for d in sizing.demands]
+        )
+    largest = np.nanmax(np.where(np.isinf(found[0]), 0.0, found[0]), axis=0)
+    for j in range(6):
+        np.testing.assert_array_equal(np.isnan(found[1][j]), np.isnan(found[0][j]))
+        for value, before, scale in zip(found[1][j], found[0][j], largest, strict=True):
+            assert value == before or abs(value - before) <= 1e-9 * max(before, 1e-6 * scale) or np.isnan(value)
 
 
 # ---- one thermal model that cannot be solved

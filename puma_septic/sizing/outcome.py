@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal, final
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from puma_septic.limit_check import AT_LIMIT
 
-__all__ = ["Kind", "NotAssessed", "Outcome", "SizingCheck"]
+__all__ = ["Kind", "NotAssessed", "Outcome", "SizingCheck", "most_used_first"]
 
 Kind = Literal["physics", "vendor procedure", "rule of thumb"]
 
@@ -77,3 +78,8 @@ class NotAssessed:
 
 
 Outcome = SizingCheck | NotAssessed
+
+
+def most_used_first(checks: Iterable[SizingCheck]) -> tuple[SizingCheck, ...]:
+    """In order of utilisation; of two that agree to nine digits the one that is made first, whatever rounding says."""
+    return tuple(sorted(checks, key=lambda check: -float(f"{check.utilisation:.9g}")))

@@ -16,7 +16,7 @@ from puma_septic.sizing._positions import position_remarks
 from puma_septic.sizing.checks import assess_joint
 from puma_septic.sizing.demands import Demands
 from puma_septic.sizing.loads import joint_load, motor_load
-from puma_septic.sizing.outcome import NotAssessed, Outcome, SizingCheck
+from puma_septic.sizing.outcome import NotAssessed, Outcome, SizingCheck, most_used_first
 from puma_septic.sizing.texts import sizing_document, sizing_html, sizing_text
 
 __all__ = ["MotorLoadProfile", "Sizing", "size"]
@@ -75,7 +75,7 @@ class Sizing:
     def joint_checks(self, joint: str) -> tuple[SizingCheck, ...]:
         """The checks of one joint, the most used limit first."""
         name = checked_choice("joint", joint, self.cycle.joint_names)
-        return tuple(sorted((c for c in self.checks if c.joint == name), key=lambda check: -check.utilisation))
+        return most_used_first(c for c in self.checks if c.joint == name)
 
     @property
     def violations(self) -> tuple[SizingCheck, ...]:
@@ -88,14 +88,13 @@ class Sizing:
         return self._broken(thumb=True)
 
     def _broken(self, *, thumb: bool) -> tuple[SizingCheck, ...]:
-        broken = [c for c in self.checks if c.is_violated and (c.kind == "rule of thumb") == thumb]
-        return tuple(sorted(broken, key=lambda check: -check.utilisation))
+        return most_used_first(c for c in self.checks if c.is_violated and (c.kind == "rule of thumb") == thumb)
 
     @property
     def governing(self) -> SizingCheck | None:
         """The limit used most, rules of thumb apart; None where none is known."""
-        binding = [check for check in self.checks if check.kind != "rule of thumb"]
-        return max(binding, key=lambda check: check.utilisation, default=None)
+        binding = most_used_first(check for check in self.checks if check.kind != "rule of thumb")
+        return binding[0] if binding else None
 
     @property
     def is_feasible(self) -> bool:

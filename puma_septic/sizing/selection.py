@@ -20,7 +20,7 @@ from puma_septic.sizing.checks import assess_joint
 from puma_septic.sizing.demands import Demands
 from puma_septic.sizing.grids import LoadGrid, load_grid
 from puma_septic.sizing.loads import JointLoad, motor_load
-from puma_septic.sizing.outcome import SizingCheck
+from puma_septic.sizing.outcome import SizingCheck, most_used_first
 from puma_septic.sizing.pairs import PairTable, pair_table
 from puma_septic.sizing.ratios import LoadMoments, RatioWindow, ratio_window
 
@@ -191,10 +191,9 @@ def assessed(grid: LoadGrid, table: PairTable, k: int) -> Candidate:
     """The k-th pair in full, by the code that assesses any drive train."""
     train = table.train(k)
     demands = Demands(load=grid.load, train=train, motor=motor_load(grid.load, train))
-    checks = [outcome for outcome in assess_joint(demands) if isinstance(outcome, SizingCheck)]
     return Candidate(
         demands=demands,
-        checks=tuple(sorted(checks, key=lambda check: -check.utilisation)),
+        checks=most_used_first(one for one in assess_joint(demands) if isinstance(one, SizingCheck)),
         mass=train.motor.mass + train.gearbox.mass,
         cost=train.motor.cost + train.gearbox.cost,
         window=_window(demands, grid),

@@ -7,11 +7,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from pydantic import ValidationError
-from ruamel.yaml import YAML
-from ruamel.yaml.error import MarkedYAMLError, YAMLError
-from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent, NodeEvent
 
 from puma_septic.errors import InputError
+from puma_septic.files import decoded, read_bytes, yaml_documents
 from puma_septic.task.schema import LIST, NUMBER, OWN_WORDS, Task, shortened
 
 __all__ = ["load_task", "make_task", "parse_task", "task_names"]
@@ -85,56 +83,15 @@ def make_task(data: Mapping[str, Any], *, origin: str = "task", folder: str | Pa
 
 
 def _read(path: Path) -> str:
-    try:
-        reason = "" if path.is_file() else "is not a file" if path.exists() else "does not exist"
-        data = b"" if reason else _start_of(path)
-    except (OSError, ValueError) as error:  # ValueError: a null character in the name
-        raise InputError(f"{path}: cannot read this task file: {error}") from error
-    if reason:
-        raise InputError(f"{path}: this task file {reason}")
-    if len(data) > MAX_BYTES:
-        raise InputError(f"{path}: larger than the {MAX_BYTES:,} bytes that a task file may have")
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not UTF-8 text: {error.reason} at byte {error.start}") from error
-
-
-def _start_of(path: Path) -> bytes:
-    """As much as a task file may have, and one byte more."""
-    with path.open("rb") as stream:
-        return stream.read(MAX_BYTES + 1)
+    return decoded(read_bytes(path, what="task file", at_most=MAX_BYTES), path)
 
 
 def _parsed(text: str, origin: str) -> Any:
-    """The YAML document as plain values; without anchors, which let a kilobyte grow to millions of values."""
-    try:
-        _refuse_growth(text, origin)
-        return YAML(typ="safe", pure=True).load(text)
-    except MarkedYAMLError as error:
-        reason = " ".join(str(error.problem or error.context).split())
-        raise InputError(f"{origin}, {_line(error.problem_mark)}: not valid YAML: {reason}") from error
-    except (YAMLError, ValueError, TypeError, RecursionError) as error:
-        if isinstance(error, InputError):
-            raise
-        # ValueError: an impossible date or a number of thousands of digits; TypeError: a list as a key.
-        raise InputError(f"{origin}: not valid YAML: {' '.join(str(error).split())}") from error
-
-
-def _refuse_growth(text: str, origin: str) -> None:
-    """Walk through the parser's events, before anything is built, for anchors and for depth."""
-    depth = 0
-    for event in YAML(typ="safe", pure=True).parse(text):
-        where = f"{origin}, {_line(event.start_mark)}"
-        if isinstance(event, NodeEvent) and (isinstance(event, AliasEvent) or event.anchor):
-            raise InputError(f"{where}: anchors and aliases (& and *) are not allowed")
-        depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
-        if depth > MAX_DEPTH:
-            raise InputError(f"{where}: nested more than {MAX_DEPTH} levels deep")
-
-
-def _line(mark: Any) -> str:
-    return f"line {mark.line + 1}, column {mark.column + 1}" if mark is not None else "at its end"
+    """The one YAML document as plain values."""
+    documents = yaml_documents(text, origin, max_depth=MAX_DEPTH)
+    if len(documents) > 1:
+        raise InputError(f"{origin}: not valid YAML: one document is expected, it has {len(documents)}")
+    return documents[0] if documents else None
 
 
 # pydantic's own words where ours are shorter or name the file's terms.

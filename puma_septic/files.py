@@ -1,0 +1,118 @@
+"""Files that others wrote, read within bounds: bytes, UTF-8 text, YAML as plain values."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import Any, Final
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent, NodeEvent
+
+from puma_septic.errors import InputError
+
+__all__ = ["decoded", "read_bytes", "sha256_of", "write_new", "yaml_documents"]
+
+_BLOCK: Final = 1 << 20
+
+
+def read_bytes(path: Path, *, what: str, at_most: int) -> bytes:
+    """All bytes of a file, which must exist and have no more than `at_most`.
+
+    Raises
+    ------
+    InputError
+        Naming the file, as `what`, and the reason.
+    """
+    try:
+        reason = "" if path.is_file() else "is not a file" if path.exists() else "does not exist"
+        data = b"" if reason else _start_of(path, at_most + 1)
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        raise InputError(f"{path}: cannot read this {what}: {error}") from error
+    if reason:
+        raise InputError(f"{path}: this {what} {reason}")
+    if len(data) > at_most:
+        raise InputError(f"{path}: larger than the {at_most:,} bytes that a {what} may have")
+    return data
+
+
+def decoded(data: bytes, origin: str | Path) -> str:
+    """UTF-8 text, without a byte order mark; `origin` is what the message calls it."""
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{origin}: not UTF-8 text: {error.reason} at byte {error.start}") from error
+
+
+def yaml_documents(text: str, origin: str, *, max_depth: int) -> list[Any]:
+    """Every document of a YAML 1.2 text as plain values; without anchors, which let a kilobyte grow to millions.
+
+    Raises
+    ------
+    InputError
+        With line and column: for what is not YAML, has anchors or duplicate keys, or is nested deeper than `max_depth`.
+    """
+    try:
+        _refuse_growth(text, origin, max_depth)
+        return list(YAML(typ="safe", pure=True).load_all(text))
+    except MarkedYAMLError as error:
+        reason = " ".join(str(error.problem or error.context).split())
+        raise InputError(f"{origin}, {_line(error.problem_mark)}: not valid YAML: {reason}") from error
+    except (YAMLError, ValueError, TypeError, RecursionError) as error:
+        if isinstance(error, InputError):
+            raise
+        # ValueError: an impossible date or a number of thousands of digits; TypeError: a list as a key.
+        raise InputError(f"{origin}: not valid YAML: {' '.join(str(error).split())}") from error
+
+
+def sha256_of(path: Path) -> str:
+    """SHA-256 of a file's bytes, in hexadecimal digits."""
+    digest = hashlib.sha256()
+    try:
+        with path.open("rb") as stream:
+            while block := stream.read(_BLOCK):
+                digest.update(block)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: cannot be read: {error}") from error
+    return digest.hexdigest()
+
+
+def write_new(path: str | Path, text: str) -> Path:
+    """Write a file that does not exist yet, in UTF-8; nothing is overwritten.
+
+    Raises
+    ------
+    InputError
+        Where the file exists or cannot be written, with the reason.
+    """
+    target = Path(path)
+    try:
+        with target.open("x", encoding="utf-8") as stream:
+            stream.write(text)
+    except FileExistsError as error:
+        raise InputError(f"{target} exists; nothing is overwritten, name another file") from error
+    except (OSError, ValueError) as error:  # ValueError: a null character in the path
+        why = error.strerror if isinstance(error, OSError) and error.strerror else error
+        raise InputError(f"{str(target)!r}: cannot be written: {why}") from error
+    return target
+
+
+def _start_of(path: Path, count: int) -> bytes:
+    with path.open("rb") as stream:
+        return stream.read(count)
+
+
+def _refuse_growth(text: str, origin: str, max_depth: int) -> None:
+    """Walk through the parser's events, before anything is built, for anchors and for depth."""
+    depth = 0
+    for event in YAML(typ="safe", pure=True).parse(text):
+        if isinstance(event, NodeEvent) and (isinstance(event, AliasEvent) or event.anchor):
+            raise InputError(f"{origin}, {_line(event.start_mark)}: anchors and aliases (& and *) are not allowed")
+        depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
+        if depth > max_depth:
+            raise InputError(f"{origin}, {_line(event.start_mark)}: nested more than {max_depth} levels deep")
+
+
+def _line(mark: Any) -> str:
+    return f"line {mark.line + 1}, column {mark.column + 1}" if mark is not None else "at its end"

@@ -67,6 +67,8 @@ _HOMES: Final = {
     "profiles": "profiles",
     "quintic_segments": "profiles",
     "read_csv_trajectory": "profiles.logged",
+    "read_joint_trajectories": "ros",
+    "read_joint_trajectory": "ros",
     "replay": "viewer",
     "replay_html": "viewer",
     "report_html": "report.page",
@@ -76,6 +78,7 @@ _HOMES: Final = {
     "sizing": "sizing",
     "tool_motion": "kinematics",
     "torque_terms": "dynamics",
+    "write_joint_trajectory": "ros",
     "write_replay": "viewer",
     "write_report": "report.page",
 }
@@ -135,6 +138,9 @@ if TYPE_CHECKING:
     from puma_septic.robot import Robot as Robot
     from puma_septic.robot import Wrench as Wrench
     from puma_septic.robot import load_robot as load_robot
+    from puma_septic.ros import read_joint_trajectories as read_joint_trajectories
+    from puma_septic.ros import read_joint_trajectory as read_joint_trajectory
+    from puma_septic.ros import write_joint_trajectory as write_joint_trajectory
     from puma_septic.sizing import Selection as Selection
     from puma_septic.sizing import Sizing as Sizing
     from puma_septic.sizing import size as size

@@ -137,6 +137,11 @@ class Robot:
         return len(self.joint_names)
 
     @property
+    def fixed_joint_names(self) -> tuple[str, ...]:
+        """Joints that do not move: fixed in the URDF, or locked when it was loaded."""
+        return tuple(frame.name for frame in self.bare_model.frames if frame.type == pin.FrameType.FIXED_JOINT)
+
+    @property
     def tool_id(self) -> int:
         """Index of the tool frame in `model`."""
         return _frame_id(self.model, self.tool)

@@ -1,0 +1,149 @@
+"""Recordings, rosbag2 folders and MCAP files, by the package rosbags; loaded only where one is read."""
+
+from __future__ import annotations
+
+import hashlib
+import struct
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, fields, is_dataclass
+from pathlib import Path
+from typing import Any, Final, final
+
+import apsw
+import numpy as np
+from numpy.typing import NDArray
+from rosbags.highlevel import AnyReader, AnyReaderError
+from rosbags.rosbag2 import ReaderError
+from rosbags.serde import SerdeError
+from rosbags.typesys import Stores, TypesysError, get_typestore
+
+from puma_septic.errors import InputError
+from puma_septic.files import sha256_of
+
+__all__ = ["JOINT_STATE", "TRAJECTORY_TYPES", "Recording", "read_recording", "recorded_topics"]
+
+JOINT_STATE: Final = "sensor_msgs/msg/JointState"
+TRAJECTORY_TYPES: Final = (
+    "trajectory_msgs/msg/JointTrajectory",
+    "moveit_msgs/msg/RobotTrajectory",
+    "moveit_msgs/msg/DisplayTrajectory",
+)
+_MOST_BYTES: Final = 4_000_000_000
+_MOST_MESSAGES: Final = 2_000_000
+# What rosbags and what it stands on raise for a damaged recording.
+_FOREIGN: Final = (
+    AnyReaderError, ReaderError, SerdeError, TypesysError, apsw.Error, struct.error, OSError, ValueError, KeyError,
+    IndexError, AttributeError, TypeError, AssertionError, OverflowError, MemoryError, RuntimeError,
+)  # fmt: skip
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Recording:
+    """The messages of one topic.
+
+    Attributes
+    ----------
+    topic, kind : str
+        Its name and message type.
+    messages : tuple of dict
+        As plain values.
+    nanoseconds : ndarray of int, shape (n,)
+        When each was recorded.
+    sha256 : str
+        Of the recording; of a folder, of the lines ``SHA-256 name`` of its files, by name.
+    """
+
+    topic: str
+    kind: str
+    messages: tuple[dict[str, Any], ...]
+    nanoseconds: NDArray[np.int64]
+    sha256: str
+
+
+def recorded_topics(path: Path) -> dict[str, str]:
+    """Message type of each topic of a recording."""
+    with _opened(path) as reader:
+        return {connection.topic: connection.msgtype for connection in reader.connections}
+
+
+def read_recording(path: Path, kinds: tuple[str, ...], topic: str | None) -> Recording:
+    """All messages of the topic, or of the only one with a message type out of `kinds`.
+
+    Raises
+    ------
+    InputError
+        For a recording that is damaged or too large, and where not exactly one topic fits.
+    """
+    digest = _digest(path)
+    with _opened(path) as reader:
+        topics = {connection.topic: connection.msgtype for connection in reader.connections}
+        chosen = _chosen(path, topics, kinds, topic)
+        connections = [connection for connection in reader.connections if connection.topic == chosen]
+        count = sum(connection.msgcount for connection in connections)
+        if count > _MOST_MESSAGES:
+            raise InputError(f"{path}: {count:,} messages on {chosen}; at most {_MOST_MESSAGES:,} are read")
+        messages, times = [], []
+        for connection, time, data in reader.messages(connections=connections):
+            messages.append(_plain(reader.deserialize(data, connection.msgtype)))
+            times.append(time)
+    return Recording(
+        topic=chosen,
+        kind=topics[chosen],
+        messages=tuple(messages),
+        nanoseconds=np.array(times, dtype=np.int64),
+        sha256=digest,
+    )
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[AnyReader]:
+    try:
+        # Recordings of Humble and before do not hold their message definitions.
+        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+            yield reader
+    except InputError:
+        raise
+    except _FOREIGN as error:
+        raise InputError(f"{path}: cannot be read as a recording: {type(error).__name__}: {error}") from error
+
+
+def _digest(path: Path) -> str:
+    """SHA-256 of a file; of a folder, of the names and digests of its files."""
+    if not path.exists():
+        raise InputError(f"{path}: this recording does not exist")
+    paths = sorted(one for one in path.iterdir() if one.is_file()) if path.is_dir() else [path]
+    size = sum(one.stat().st_size for one in paths)
+    if size > _MOST_BYTES:
+        raise InputError(f"{path}: larger than the {_MOST_BYTES:,} bytes that a recording may have")
+    if not path.is_dir():
+        return sha256_of(path)
+    lines = "".join(f"{sha256_of(one)} {one.name}\n" for one in paths)
+    return hashlib.sha256(lines.encode()).hexdigest()
+
+
+def _chosen(path: Path, topics: Mapping[str, str], kinds: tuple[str, ...], topic: str | None) -> str:
+    told = ", ".join(f"{name} ({kind})" for name, kind in topics.items()) or "none"
+    if topic is not None:
+        if topic not in topics:
+            raise InputError(f"{path}: no topic {topic!r}; it has {told}")
+        if topics[topic] not in kinds:
+            raise InputError(f"{path}: topic {topic!r} is of {topics[topic]}; needed: {', '.join(kinds)}")
+        return topic
+    fitting = [name for name, kind in topics.items() if kind in kinds]
+    if len(fitting) != 1:
+        which = f"{len(fitting)} topics have" if fitting else "no topic has"
+        raise InputError(f"{path}: {which} messages of {' or '.join(kinds)}; name one of its topics: {told}")
+    return fitting[0]
+
+
+def _plain(value: Any) -> Any:
+    """A message of rosbags as dicts, lists and numbers."""
+    if is_dataclass(value):
+        return {
+            field.name: _plain(getattr(value, field.name)) for field in fields(value) if field.name != "__msgtype__"
+        }
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return [_plain(one) for one in value] if isinstance(value, list) else value

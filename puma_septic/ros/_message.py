@@ -1,0 +1,246 @@
+"""trajectory_msgs/JointTrajectory and sensor_msgs/JointState as values, from plain mappings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from puma_septic.checks import Array, read_only
+from puma_septic.errors import InputError
+from puma_septic.ros._faults import Fault
+
+__all__ = ["FIELDS", "JointState", "JointTrajectoryMessage", "joint_state", "joint_trajectory_message"]
+
+FIELDS: Final = ("positions", "velocities", "accelerations", "effort")
+_POINT_KEYS: Final = (*FIELDS, "time_from_start")
+_MESSAGE_KEYS: Final = ("header", "joint_names", "points")
+_CUT: Final = "..."  # what `ros2 topic echo` writes for the elements beyond its --truncate-length (128 by default)
+_NS: Final = 10**9
+_LONGEST: Final = 2**31  # builtin_interfaces/Duration holds the seconds in an int32
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class JointTrajectoryMessage:
+    """The points of a trajectory_msgs/JointTrajectory.
+
+    Attributes
+    ----------
+    joint_names : tuple of str
+        In the message's order.
+    nanoseconds : ndarray of int, shape (n,)
+        time_from_start, as the message holds it.
+    positions : ndarray, shape (n, n_joints)
+        rad (m for prismatic joints).
+    velocities, accelerations, effort : ndarray, shape (n, n_joints)
+        NaN in the rows of points that do not have them.
+    """
+
+    joint_names: tuple[str, ...]
+    nanoseconds: NDArray[np.int64]
+    positions: Array
+    velocities: Array
+    accelerations: Array
+    effort: Array
+
+    def __post_init__(self) -> None:
+        times = np.array(self.nanoseconds, dtype=np.int64)
+        times.setflags(write=False)
+        object.__setattr__(self, "nanoseconds", times)
+        for name in FIELDS:
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+    @property
+    def times(self) -> Array:
+        """time_from_start of each point, s, shape (n,)."""
+        return read_only(self.nanoseconds / _NS)
+
+    def has(self, field: str) -> NDArray[np.bool_]:
+        """Whether each point has this field, shape (n,)."""
+        return np.asarray(~np.isnan(getattr(self, field)).any(axis=1))
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class JointState:
+    """Where joints stand, and how fast they move.
+
+    Attributes
+    ----------
+    joint_names : tuple of str
+    position : ndarray, shape (n,)
+        rad (m for prismatic joints).
+    velocity : ndarray, shape (n,)
+        rad/s (m/s); 0 where the message has none.
+    """
+
+    joint_names: tuple[str, ...]
+    position: Array
+    velocity: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "position", read_only(self.position))
+        object.__setattr__(self, "velocity", read_only(self.velocity))
+
+
+def joint_trajectory_message(data: Mapping[str, Any], faults: list[Fault]) -> JointTrajectoryMessage | None:
+    """The message of plain values; None where it has faults, which are added to `faults`."""
+    before = len(faults)
+    _refuse_unknown(data, _MESSAGE_KEYS, "JointTrajectory", "", faults)
+    names = _names(data.get("joint_names"), "joint_names", faults)
+    points = data.get("points")
+    if not isinstance(points, list) or not points:
+        faults.append(Fault(code="no_trajectory", message="points: at least one is needed"))
+        return None
+    if points[-1] == _CUT:
+        faults.append(_truncated("points"))
+        points = points[:-1]
+    rows: dict[str, list[Array]] = {name: [] for name in FIELDS}
+    times = [0] * len(points)
+    for k, point in enumerate(points):
+        where = f"points[{k}]"
+        if not isinstance(point, Mapping):
+            faults.append(Fault(code="bad_value", message=f"{where}: a JointTrajectoryPoint is expected"))
+            continue
+        _refuse_unknown(point, _POINT_KEYS, "JointTrajectoryPoint", f"{where}.", faults)
+        for name in FIELDS:
+            rows[name].append(_row(point.get(name), len(names), f"{where}.{name}", faults))
+        times[k] = _nanoseconds(point.get("time_from_start"), f"{where}.time_from_start", faults)
+    if len(faults) > before:
+        return None
+    message = JointTrajectoryMessage(
+        joint_names=names,
+        nanoseconds=np.array(times, dtype=np.int64),
+        **{name: np.array(values) for name, values in rows.items()},
+    )
+    faults += [*_order_faults(message), *_field_faults(message)]
+    return message if len(faults) == before else None
+
+
+def joint_state(data: object, origin: str) -> JointState:
+    """A sensor_msgs/JointState, or the one in a moveit_msgs/RobotState, of plain values.
+
+    Raises
+    ------
+    InputError
+        Naming what is wrong, all at once.
+    """
+    while isinstance(data, Mapping) and "name" not in data and isinstance(data.get("joint_state"), Mapping):
+        data = data["joint_state"]
+    if not isinstance(data, Mapping) or not {"name", "position"} <= set(data):
+        raise InputError(f"{origin}: no JointState (name, position) in it")
+    faults: list[Fault] = []
+    names = _names(data["name"], "name", faults)
+    position = _row(data["position"], len(names), "position", faults)
+    velocity = _row(data.get("velocity"), len(names), "velocity", faults)
+    if np.isnan(position).any() and not faults:
+        faults.append(Fault(code="bad_value", message="position is empty"))
+    if faults:
+        raise InputError(f"{origin}: {'; '.join(fault.message for fault in faults)}")
+    return JointState(joint_names=names, position=position, velocity=np.nan_to_num(velocity))
+
+
+def _refuse_unknown(
+    data: Mapping[str, Any], known: Sequence[str], message: str, place: str, faults: list[Fault]
+) -> None:
+    faults += [
+        Fault(code="unknown_key", message=f"{place}{key} is no field of a {message}; valid: {', '.join(known)}")
+        for key in data
+        if key not in known
+    ]
+
+
+def _names(value: object, where: str, faults: list[Fault]) -> tuple[str, ...]:
+    if isinstance(value, list) and value and value[-1] == _CUT:
+        faults.append(_truncated(where))
+        value = value[:-1]
+    if not isinstance(value, list) or not value or not all(isinstance(name, str) and name for name in value):
+        faults.append(Fault(code="no_trajectory", message=f"{where}: a list of names is needed, got {value!r:.60}"))
+        return ()
+    for name in sorted({name for name in value if value.count(name) > 1}):
+        faults.append(Fault(code="unknown_joint", message=f"{where}: {name!r} is listed twice", joint=name))
+    return tuple(value)
+
+
+def _row(value: object, count: int, where: str, faults: list[Fault]) -> Array:
+    """One array of a point; NaN where it is absent or empty, or has a fault."""
+    absent = np.full(count, np.nan)
+    if value is None or value == []:
+        return absent
+    if isinstance(value, list) and value[-1] == _CUT:
+        faults.append(_truncated(where))
+    elif not isinstance(value, list) or not all(map(_is_finite, value)):
+        bad = next((one for one in value if not _is_finite(one)), value) if isinstance(value, list) else value
+        faults.append(Fault(code="bad_value", message=f"{where}: finite numbers are expected, got {bad!r:.60}"))
+    elif len(value) != count:
+        if count:  # joint_names themselves are missing otherwise, and said so
+            text = f"{where} has {len(value)} values for {count} joints"
+            faults.append(Fault(code="bad_value", message=text))
+    else:
+        return np.array(value, dtype=np.float64)
+    return absent
+
+
+def _is_finite(value: object) -> bool:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # an integer beyond any double
+        return False
+
+
+def _truncated(where: str) -> Fault:
+    text = f"{where} ends in '...': `ros2 topic echo` has cut it short; record it with --full-length"
+    return Fault(code="truncated", message=text)
+
+
+def _nanoseconds(value: object, where: str, faults: list[Fault]) -> int:
+    """A duration as {sec, nanosec} (ROS 2), {secs, nsecs} (ROS 1) or a number of seconds, in whole nanoseconds."""
+    if isinstance(value, (int, float)) and _is_finite(value) and abs(value) < _LONGEST:
+        return round(float(value) * _NS)
+    if isinstance(value, Mapping):
+        for whole, part in (("sec", "nanosec"), ("secs", "nsecs")):
+            if set(value) <= {whole, part} and value:
+                seconds, rest = value.get(whole, 0), value.get(part, 0)
+                if _is_integer(seconds, _LONGEST) and _is_integer(rest, _NS) and rest >= 0:
+                    return int(seconds) * _NS + int(rest)
+    text = f"{where}: seconds, or whole {{sec, nanosec}} with nanosec below 1e9, are expected, got {value!r:.60}"
+    faults.append(Fault(code="bad_value", message=text))
+    return 0
+
+
+def _is_integer(value: object, below: int) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and -below <= value < below
+
+
+def _order_faults(message: JointTrajectoryMessage) -> list[Fault]:
+    t = message.nanoseconds
+    faults = []
+    if t[0] < 0:
+        faults.append(_time_fault("points[0].time_from_start is negative", t[0]))
+    for k in np.flatnonzero(np.diff(t) <= 0):
+        text = f"points[{k + 1}] at {t[k + 1] / _NS:.9g} s does not come after points[{k}] at {t[k] / _NS:.9g} s"
+        faults.append(_time_fault(text, t[k + 1]))
+    return faults
+
+
+def _time_fault(text: str, nanoseconds: int) -> Fault:
+    return Fault(code="time_order", message=f"{text}; times must increase strictly", time=float(nanoseconds / _NS))
+
+
+def _field_faults(message: JointTrajectoryMessage) -> list[Fault]:
+    """Points for which joint_trajectory_controller has no interpolation, unless its integration is switched on."""
+    faults = []
+    for k in np.flatnonzero(~message.has("positions")):
+        text = f"points[{k}] has no positions: the controller refuses it unless it is set to integrate"
+        faults.append(Fault(code="unsupported", message=text, time=float(message.times[k])))
+    for k in np.flatnonzero(message.has("accelerations") & ~message.has("velocities")):
+        text = f"points[{k}] has accelerations without velocities, between which the controller does not interpolate"
+        faults.append(Fault(code="unsupported", message=text, time=float(message.times[k])))
+    return faults

@@ -43,6 +43,7 @@ _HOMES: Final = {
     "assess": "assessment",
     "assess_task": "task",
     "built_in_catalogue": "drives",
+    "check_trajectory": "gate",
     "compare": "comparison",
     "compute_motion": "motion",
     "cycle": "cycle",
@@ -53,6 +54,7 @@ _HOMES: Final = {
     "inverse_kinematics": "kinematics",
     "inverse_kinematics_batch": "kinematics",
     "jacobian": "kinematics",
+    "least_stretch": "gate",
     "least_time": "optimisation",
     "load_catalogue": "drives",
     "load_drivetrains": "drives",
@@ -113,6 +115,8 @@ if TYPE_CHECKING:
     from puma_septic.errors import ModelError as ModelError
     from puma_septic.errors import NoSolution as NoSolution
     from puma_septic.errors import PumaSepticError as PumaSepticError
+    from puma_septic.gate import check_trajectory as check_trajectory
+    from puma_septic.gate import least_stretch as least_stretch
     from puma_septic.kinematics import forward_kinematics as forward_kinematics
     from puma_septic.kinematics import inverse_kinematics as inverse_kinematics
     from puma_septic.kinematics import inverse_kinematics_batch as inverse_kinematics_batch

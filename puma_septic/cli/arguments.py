@@ -11,6 +11,7 @@ from typing import NamedTuple, NoReturn
 
 from puma_septic import __version__
 from puma_septic.cli.choosing import COMPARE, OPTIMISE, PROFILES, add_compare, add_optimise, add_profiles
+from puma_septic.cli.gate import CHECK, add_check
 from puma_septic.cli.sizing import SIZE, add_size
 
 __all__ = ["Answer", "parse"]
@@ -47,6 +48,10 @@ def parse(argv: Sequence[str] | None) -> Namespace:
     _add_debug(parser)
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     _add_assess(_command(commands, "assess", "torque, jerk and limits of a task's profiles", _ASSESS))
+    check = _command(commands, "check", "may a planned trajectory (ROS) go to the robot", CHECK)
+    _add_robot(check, required=True)
+    check.add_argument("--payload", type=_not_negative, metavar="KG", help="a point mass at the tool's origin")
+    add_check(check)
     _add_ik(_command(commands, "ik", "branches of the inverse kinematics", _IK))
     _add_paper(_command(commands, "paper", "the paper's tables, figures and claims, reproduced and judged", _PAPER))
     _add_replay(_command(commands, "replay", "the arm in motion, in the browser or as one HTML file", _REPLAY))
@@ -185,7 +190,14 @@ def _add_task(parser: ArgumentParser) -> None:
         metavar="TASK",
         help="a task file (.yaml), or a built-in task such as 'paper' or 'paper-turned'",
     )
-    parser.add_argument("--robot", metavar="NAME", help="another robot: 'puma560' or a .urdf file")
+    _add_robot(parser)
+    parser.add_argument("--branch", metavar="NAME", help="branch of the inverse kinematics, or 'auto'")
+
+
+def _add_robot(parser: ArgumentParser, *, required: bool = False) -> None:
+    """The robot and what it is made of."""
+    which = "the robot" if required else "another robot"
+    parser.add_argument("--robot", metavar="NAME", required=required, help=f"{which}: 'puma560' or a .urdf file")
     parser.add_argument("--actuators", metavar="FILE", help="its actuator file")
     parser.add_argument("--parameters", metavar="NAME", help="set of drive parameters, such as rtb or akb")
     parser.add_argument("--limits", metavar="NAME", help="set of limits, such as corke, akb or benchmark")
@@ -197,7 +209,6 @@ def _add_task(parser: ArgumentParser) -> None:
         metavar="JOINT=RAD",
         help="fix a joint there, m if it slides (repeatable)",
     )
-    parser.add_argument("--branch", metavar="NAME", help="branch of the inverse kinematics, or 'auto'")
 
 
 def _finite(text: str) -> float:

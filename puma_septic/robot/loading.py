@@ -22,7 +22,7 @@ from puma_septic.robot.urdf_schema import vector
 from puma_septic.robot.urdf_text import read_urdf
 from puma_septic.robot.values import Actuator, Limits
 
-__all__ = ["load_robot"]
+__all__ = ["load_robot", "robot_files"]
 
 BUILT_IN = ("puma560",)
 
@@ -110,6 +110,18 @@ def load_robot(
         notes=(*drives.notes, *urdf.notes, *massless_notes(model, urdf), *limit_notes, *tool_notes),
     )
     return replace(robot, missing_inertia=check_inertia(model, robot.model.armature, urdf_path))
+
+
+def robot_files(source: str | Path = "puma560", *, actuators: str | Path | None = None) -> dict[str, Path]:
+    """The files that `load_robot` reads for a robot, meshes apart: "robot" and, where there is one, "actuators".
+
+    Raises
+    ------
+    InputError
+        For an unknown robot; the valid ones are listed.
+    """
+    urdf, actuator_file = _paths(source, actuators)
+    return {"robot": urdf} if actuator_file is None else {"robot": urdf, "actuators": actuator_file}
 
 
 def _paths(source: str | Path, actuators: str | Path | None) -> tuple[Path, Path | None]:

@@ -1,7 +1,7 @@
 """Motions planned with ROS become trajectories, and trajectories become messages."""
 
 from puma_septic.ros._faults import FAULT_CODES, Fault, JointTrajectoryError
-from puma_septic.ros._interpolation import unwrapped_start
+from puma_septic.ros._interpolation import interpolated
 from puma_septic.ros._logs import JointStateLog, read_joint_state_log
 from puma_septic.ros._message import JointState, JointTrajectoryMessage
 from puma_septic.ros._reading import (
@@ -22,13 +22,13 @@ __all__ = [
     "JointTrajectoryError",
     "JointTrajectoryMessage",
     "PlannedTrajectory",
+    "interpolated",
     "is_bag",
     "read_joint_state",
     "read_joint_state_log",
     "read_joint_trajectories",
     "read_joint_trajectory",
     "recorded_topics",
-    "unwrapped_start",
     "write_joint_trajectory",
     "write_message",
 ]

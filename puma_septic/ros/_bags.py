@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import struct
+import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, is_dataclass
@@ -21,6 +22,11 @@ from rosbags.typesys import Stores, TypesysError, get_typestore
 from puma_septic.errors import InputError
 from puma_septic.files import sha256_of
 
+if sys.version_info >= (3, 14):  # as rosbags does
+    from compression import zstd
+else:
+    from backports import zstd
+
 __all__ = ["JOINT_STATE", "TRAJECTORY_TYPES", "Recording", "read_recording", "recorded_topics"]
 
 JOINT_STATE: Final = "sensor_msgs/msg/JointState"
@@ -33,8 +39,8 @@ _MOST_BYTES: Final = 4_000_000_000
 _MOST_MESSAGES: Final = 2_000_000
 # What rosbags and what it stands on raise for a damaged recording.
 _FOREIGN: Final = (
-    AnyReaderError, ReaderError, SerdeError, TypesysError, apsw.Error, struct.error, OSError, ValueError, KeyError,
-    IndexError, AttributeError, TypeError, AssertionError, OverflowError, MemoryError, RuntimeError,
+    AnyReaderError, ReaderError, SerdeError, TypesysError, apsw.Error, zstd.ZstdError, struct.error, OSError,
+    ValueError, KeyError, TypeError, OverflowError, MemoryError, RuntimeError,
 )  # fmt: skip
 
 

@@ -94,7 +94,7 @@ def interpolated(
         times=bridged.times,
         profile="joint_trajectory",
         joint_names=message.joint_names,
-        **({} if rest_before else {"rest_before": False}),  # TEMP
+        rest_before=rest_before,
     )
 
 

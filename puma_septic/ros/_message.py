@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final, final
 
 import numpy as np
@@ -59,6 +59,16 @@ class JointTrajectoryMessage:
     def times(self) -> Array:
         """time_from_start of each point, s, shape (n,)."""
         return read_only(self.nanoseconds / _NS)
+
+    def stretched(self, factor: float) -> JointTrajectoryMessage:
+        """The message of the same motion, `factor` times as long; without efforts, which another speed changes."""
+        return replace(
+            self,
+            nanoseconds=np.round(self.nanoseconds * factor).astype(np.int64),
+            velocities=self.velocities / factor,
+            accelerations=self.accelerations / factor**2,
+            effort=np.full_like(self.effort, np.nan),
+        )
 
     def has(self, field: str) -> NDArray[np.bool_]:
         """Whether each point has this field, shape (n,)."""

@@ -1,0 +1,262 @@
+"""``puma-septic check``: may this planned trajectory go to the robot."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from importlib import import_module
+from pathlib import Path
+from typing import Any, Final, final
+
+import numpy as np
+
+from puma_septic import __version__
+from puma_septic.assessment.checks import QUANTITIES
+from puma_septic.checks import checked_number
+from puma_septic.cli.arguments import Answer
+from puma_septic.cli.tasks import asked_robot
+from puma_septic.cli.texts import wrapped
+from puma_septic.errors import InputError, NoSolution, PumaSepticError
+from puma_septic.files import sha256_of
+from puma_septic.gate import (
+    START_TOLERANCE,
+    VERDICTS,
+    Fixed,
+    Reason,
+    TrajectoryCheck,
+    check_trajectory,
+    checked_allowances,
+    fixed,
+)
+from puma_septic.report import to_json
+from puma_septic.robot import Payload, Robot, load_robot, robot_files
+from puma_septic.ros import (
+    JointState,
+    JointTrajectoryError,
+    PlannedTrajectory,
+    is_bag,
+    read_joint_state,
+    read_joint_state_log,
+    read_joint_trajectories,
+    recorded_topics,
+    write_message,
+)
+
+__all__ = ["run"]
+
+SCHEMA: Final = "puma-septic/check/1"
+EXIT_CODES: Final = {"ok": 0, "violated": 1, "invalid": 2, "undecided": 3}
+_JOINT_STATE: Final = "sensor_msgs/msg/JointState"
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class _Checked:
+    """One trajectory of one file, or a file that has none."""
+
+    path: str
+    origin: str
+    sha256: str | None
+    check: TrajectoryCheck
+    planned: PlannedTrajectory | None = None
+
+
+def run(arguments: Namespace) -> Answer:
+    """Check every trajectory of every file; the exit code is that of the worst."""
+    allow = tuple(sorted(checked_allowances(arguments.allow, QUANTITIES)))
+    tolerance = START_TOLERANCE if arguments.start_tolerance is None else arguments.start_tolerance
+    checked_number("--start-tolerance", tolerance, unit="rad", at_least=0.0)
+    if arguments.effort and arguments.fix is None:
+        raise InputError("--effort goes with --fix: the efforts are those of the trajectory that is written")
+    inputs: list[dict[str, str]] = []
+    fix: dict[str, Any] | None = None
+    try:
+        robot = _robot(arguments, inputs)
+        start = _start(arguments.start, robot, inputs)
+    except PumaSepticError as error:
+        results = [_invalid(path, [_refusal("setup_invalid", error)]) for path in arguments.files]
+    else:
+        results = [
+            one for path in arguments.files for one in _checked(path, robot, start, (tolerance, allow), arguments.topic)
+        ]
+        if arguments.fix is not None:
+            fix = _fix(arguments, robot, results, allow)
+    verdict = max((one.check.verdict for one in results), key=VERDICTS.index)
+    if arguments.format == "json":
+        document = _document(arguments, results, inputs, (tolerance, allow), fix)
+        text = to_json(document)
+    else:
+        text = _text(results, inputs, verdict, fix)
+    return Answer(text, EXIT_CODES[verdict])
+
+
+def _robot(arguments: Namespace, inputs: list[dict[str, str]]) -> Robot:
+    section = asked_robot(arguments, {})
+    source = section.pop("source")
+    for role, path in robot_files(source, actuators=section.get("actuators")).items():
+        if path.is_file():  # what is missing is told by load_robot
+            inputs.append({"role": role, "path": str(path), "sha256": sha256_of(path)})
+    robot = load_robot(source, **section)
+    return robot if arguments.payload is None else robot.with_payload(Payload(mass=arguments.payload))
+
+
+def _start(text: str | None, robot: Robot, inputs: list[dict[str, str]]) -> JointState | None:
+    """A file's joint state, or numbers in the robot's order."""
+    if text is None:
+        return None
+    try:
+        position = np.array([float(part) for part in text.split(",")])
+    except ValueError:
+        state = read_joint_state(text)
+        inputs.append({"role": "start", "path": text, "sha256": sha256_of(Path(text))})
+        return state
+    if len(position) != robot.n_joints or not np.isfinite(position).all():
+        raise InputError(
+            f"--start: {len(position)} positions for {robot.n_joints} joints, {', '.join(robot.joint_names)}; a finite"
+            " number for each is needed, or a file with a JointState"
+        )
+    return JointState(joint_names=robot.joint_names, position=position, velocity=np.zeros(robot.n_joints))
+
+
+def _checked(
+    path: str, robot: Robot, start: JointState | None, how: tuple[float, tuple[str, ...]], topic: str | None
+) -> Iterator[_Checked]:
+    """The trajectories of one file; what cannot be read is a result too."""
+    try:
+        if _is_log(Path(path), topic):
+            yield _checked_log(path, robot, how, topic)
+            return
+        for planned in read_joint_trajectories(path, robot, start=start, topic=topic):
+            check = _held(robot, planned, how)
+            yield _Checked(path=path, origin=planned.origin, sha256=planned.sha256, check=check, planned=planned)
+    except JointTrajectoryError as error:
+        faults = [
+            Reason(
+                code=fault.code,
+                message=fault.message,
+                joint=fault.joint,
+                time=np.nan if fault.time is None else fault.time,
+            )
+            for fault in error.faults
+        ]
+        yield _invalid(path, faults)
+    except PumaSepticError as error:
+        yield _invalid(path, [_refusal("unreadable", error)])
+
+
+def _held(robot: Robot, planned: PlannedTrajectory, how: tuple[float, tuple[str, ...]]) -> TrajectoryCheck:
+    tolerance, allow = how
+    start = None if planned.start is None else planned.start.position
+    check = check_trajectory(robot, planned.trajectory, start=start, start_tolerance=tolerance, allow=allow)
+    notes = [*planned.notes, *check.notes]
+    if planned.message.has("effort").any():
+        notes.append("effort fields are filled; a controller without an effort interface rejects the trajectory")
+    return replace(check, notes=tuple(notes))
+
+
+def _is_log(path: Path, topic: str | None) -> bool:
+    """Whether joint states are asked for: by the topic, or because a recording has nothing else."""
+    if not is_bag(path) or not path.exists():
+        return False
+    topics = recorded_topics(path)
+    if topic is not None:
+        return topics.get(topic) == _JOINT_STATE
+    return _JOINT_STATE in topics.values() and not any(kind.endswith("Trajectory") for kind in topics.values())
+
+
+def _checked_log(path: str, robot: Robot, how: tuple[float, tuple[str, ...]], topic: str | None) -> _Checked:
+    # SciPy, which fits it, takes longer to load than a trajectory to check.
+    logged: Any = import_module("puma_septic.profiles.logged")
+    log = read_joint_state_log(path, robot, topic=topic)
+    trajectory = logged.fit_trajectory(log.t, log.q, joint_names=robot.joint_names)
+    tolerance, allow = how
+    check = check_trajectory(robot, trajectory, start_tolerance=tolerance, allow=allow)
+    notes = (
+        *log.notes,
+        "joint states, interpolated by a quintic spline at rest at both ends: their noise is in the accelerations",
+        *check.notes,
+    )
+    return _Checked(path=path, origin=path, sha256=log.sha256, check=replace(check, notes=notes))
+
+
+def _refusal(code: str, error: PumaSepticError) -> Reason:
+    return Reason(code=code, message=" ".join(str(error).split()))
+
+
+def _invalid(path: str, reasons: Sequence[Reason]) -> _Checked:
+    source = Path(path)
+    digest = sha256_of(source) if source.is_file() else None
+    return _Checked(
+        path=path,
+        origin=path,
+        sha256=digest,
+        check=TrajectoryCheck(assessment=None, margins=(), reasons=tuple(reasons)),
+    )
+
+
+def _fix(arguments: Namespace, robot: Robot, results: Sequence[_Checked], allow: tuple[str, ...]) -> dict[str, Any]:
+    """Write the stretched trajectory, or say why there is none."""
+    planned = [one.planned for one in results if one.planned is not None]
+    if len(results) != 1 or len(planned) != 1:
+        raise InputError(f"--fix goes with one trajectory that can be read; there are {len(planned)}")
+    if results[0].check.assessment is None:
+        return {"path": None, "message": "no torque can be computed, so no stretch either"}
+    try:
+        made = fixed(robot, planned[0], allow=allow, effort=arguments.effort)
+    except NoSolution as error:
+        return {"path": None, "message": str(error)}
+    path = write_message(arguments.fix, made.message)
+    return {
+        "path": str(path),
+        "sha256": sha256_of(path),
+        "factor": made.factor,
+        "duration": float(made.message.times[-1] - made.message.times[0]),
+        "message": _told(made),
+        "check": made.check.to_dict(),
+    }
+
+
+def _told(made: Fixed) -> str:
+    if made.governing is None:
+        return "unchanged: no known limit is broken"
+    return f"{made.factor:.9g} times as long, the least that holds; then {made.governing}"
+
+
+def _document(
+    arguments: Namespace,
+    results: Sequence[_Checked],
+    inputs: Sequence[dict[str, str]],
+    how: tuple[float, tuple[str, ...]],
+    fix: dict[str, Any] | None,
+) -> dict[str, Any]:
+    verdict = max((one.check.verdict for one in results), key=VERDICTS.index)
+    return {
+        "schema": SCHEMA,
+        "version": __version__,
+        "verdict": verdict,
+        "exit_code": EXIT_CODES[verdict],
+        "robot": arguments.robot,
+        "start_tolerance": how[0],
+        "allow": list(how[1]),
+        "inputs": list(inputs),
+        "trajectories": [
+            {"path": one.path, "origin": one.origin, "sha256": one.sha256, **one.check.to_dict()} for one in results
+        ],
+        "fix": fix,
+    }
+
+
+def _text(
+    results: Sequence[_Checked], inputs: Sequence[dict[str, str]], verdict: str, fix: dict[str, Any] | None
+) -> str:
+    parts = [f"{verdict}: {len(results)} trajectories"] if len(results) > 1 else []
+    for one in results:
+        parts.append(wrapped(f"{one.origin}: {one.check}"))
+    if fix is not None:
+        written = f"fix: {fix['path']}, {fix['message']}" if fix["path"] else f"fix: none written; {fix['message']}"
+        parts.append(wrapped(written))
+    digests = [f"{one['sha256']}  {one['path']}" for one in inputs]
+    digests += list(dict.fromkeys(f"{one.sha256}  {one.path}" for one in results if one.sha256))
+    parts.append("\n".join(["SHA-256:", *digests]))
+    return "\n\n".join(parts)

@@ -149,7 +149,8 @@ def _sorted(reasons: list[Reason]) -> tuple[Reason, ...]:
     """The worst first: by verdict, then by how far beyond its limit; what is allowed last."""
 
     def rank(reason: Reason) -> tuple[bool, bool, float]:
-        excess = abs(reason.demand) / abs(reason.limit) if reason.limit else math.inf
+        unbounded = math.isinf(reason.demand) or not reason.limit
+        excess = math.inf if unbounded else abs(reason.demand / reason.limit)
         return reason.allowed, reason.verdict == "undecided", -(0.0 if math.isnan(excess) else excess)
 
     return tuple(sorted(reasons, key=rank))
@@ -182,8 +183,8 @@ def _moving(robot: Robot, code: str, j: int, time: float, speed: float, allowed:
     verb = "begins" if code == "moving_start" else "ends"
     text = f"the motion {verb} with {joint} at {speed:.4g} {unit}, not at rest"
     return Reason(
-        code=code, message=text, allowed=code in allowed, quantity="velocity",
-        time=time, demand=speed, limit=0.0, unit=unit,
+        code=code, message=text, allowed=code in allowed, joint=joint, quantity="velocity", time=time,
+        demand=speed, limit=0.0, unit=unit,
     )  # fmt: skip
 
 

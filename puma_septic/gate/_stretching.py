@@ -113,8 +113,7 @@ def stretched(trajectory: Trajectory, factor: float) -> Trajectory:
     """The same motion, `factor` times as long, from the same instant."""
     k = checked_number("factor", factor, above=0.0)
     start = trajectory.breaks[0]
-    slower = Piecewise(breaks=start + (trajectory.breaks - start) * k, coefficients=trajectory.position.coefficients)
-    return replace(trajectory, position=slower, times=start + (trajectory.times - start) * k)
+    return replace(trajectory, position=trajectory.position.stretched(k), times=start + (trajectory.times - start) * k)
 
 
 def _refuse_hopeless(assessment: Assessment) -> None:
@@ -168,22 +167,19 @@ def _largest_rate(motion: Motion, u: float) -> float:
 
 def _parts(motion: Motion) -> tuple[Piecewise, Piecewise, Piecewise]:
     """S, V and D of the torque ``S + V u + D u^2`` as functions of the original time."""
-    robot, trajectory, n = motion.robot, motion.trajectory, motion.robot.n_joints
+    robot, n = motion.robot, motion.robot.n_joints
 
-    def split(t: Array) -> Array:
-        q, v, a = (trajectory(t, order) for order in range(3))
+    def split(state: Array) -> Array:
+        q, v, a = (state[:, k * n : (k + 1) * n] for k in range(3))
         rest = np.zeros_like(q)
         still = smooth_torque(robot, q, rest, rest)
         forth, back = smooth_torque(robot, q, v, a), smooth_torque(robot, q, -v, a)
         return np.concatenate([still, (forth - back) / 2, (forth + back) / 2 - still], axis=1)
 
-    fitted = Piecewise.fit(split, trajectory.breaks).split(motion.torque.breaks)
-    S, V, D = (
-        Piecewise(breaks=fitted.breaks, coefficients=fitted.coefficients[:, :, k * n : (k + 1) * n]) for k in range(3)
-    )
-    coulomb = motion.torque_terms.coulomb.split(fitted.breaks)
-    both = S + coulomb
-    return both, V.split(both.breaks), D.split(both.breaks)
+    fitted = motion.trajectory.state.mapped(split)
+    S, V, D = (fitted[k * n : (k + 1) * n] for k in range(3))
+    both = S + motion.torque_terms.coulomb
+    return both, V.aligned_with(both), D.aligned_with(both)
 
 
 def _at_rate(parts: tuple[Piecewise, Piecewise, Piecewise], u: float) -> Piecewise:

@@ -23,7 +23,7 @@ __all__ = ["joint_trajectory_document", "message_of", "write_joint_trajectory", 
 _NS: Final = 10**9
 # What the controller interpolates exactly: by degree of the motion, the fields that the points need.
 _LINEAR, _CUBIC, _QUINTIC = 1, 3, 5
-# Coefficients below this part of a joint's largest are rounding of a polynomial of lower degree.
+# What is below this part of a joint's largest value, or coefficient, is rounding.
 _ROUNDING: Final = 1e-13
 # Points that one interval is divided by at most, each time by two.
 _MOST_HALVINGS: Final = 12
@@ -145,9 +145,13 @@ def message_of(
 
 
 def _values(trajectory: Trajectory, times: Array, fields: int) -> list[Array]:
-    """Positions, velocities and accelerations at times; NaN for those that are not wanted."""
-    absent = np.full((len(times), trajectory.n_joints), np.nan)
-    return [trajectory(times, order) if order < fields else absent for order in range(3)]
+    """Positions, velocities and accelerations at times, rounding as 0; NaN for those that are not wanted."""
+    values = [np.full((len(times), trajectory.n_joints), np.nan) for _ in range(3)]
+    for order in range(fields):
+        at = trajectory(times, order)
+        largest = np.abs(trajectory.derivative(order).coefficients).sum(axis=0).max(axis=0)
+        values[order] = np.where(np.abs(at) <= _ROUNDING * largest, 0.0, at)
+    return values
 
 
 def _degree(trajectory: Trajectory) -> int:

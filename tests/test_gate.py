@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -268,11 +269,8 @@ def test_the_factor_of_a_kinematic_limit_is_its_root(puma: ps.Robot, quantity: s
     assert stretch.factor == pytest.approx(8 ** (1 / power), rel=1e-8)
 
 
-def test_torque_gives_the_least_factor_also_where_slower_is_worse(puma: ps.Robot) -> None:
-    """Raised by its own speed: an arm that brakes on its way up needs less torque than one that is slower.
-
-    Independent of the search: every factor from 1 to 6 on a grid of 200, assessed in full.
-    """
+def test_torque_gives_the_least_factor(puma: ps.Robot) -> None:
+    """Independent of the search: every factor from 1 to 6 on a grid of 200, assessed in full."""
     robot = limited(puma).with_payload(ps.Payload(mass=2.0))
     move = ps.quintic_segments(np.array([[0, 0.6, -1.2, 0, 0.3, 0], [0.4, 0.1, -0.4, 0.3, 0.1, 0]]), [0.0, 0.45])
     peaks = {k: ps.assess(robot, stretched(move, k)).peak_torque for k in np.geomspace(1, 6, 200)}
@@ -283,6 +281,38 @@ def test_torque_gives_the_least_factor_also_where_slower_is_worse(puma: ps.Robot
         before = max((k for k in peaks if k < first), default=1.0)
         stretch = ps.least_stretch(robot.with_limits(effort=limit), move)
         assert before <= stretch.factor <= first
+
+
+PENDULUM = """<robot name="p"><link name="a"/><link name="b"><inertial><mass value="1"/><origin xyz="1 0 0"/>
+<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 -1 0"/>
+<limit effort="{effort}" velocity="1000" lower="-4" upper="4"/></joint></robot>"""
+
+
+@pytest.mark.parametrize("share", [0.967, 0.975, 0.985])
+def test_a_swing_that_only_holds_at_some_speeds(tmp_path: Path, share: float) -> None:
+    """From hanging to 60 degrees above the horizontal: past the horizontal the pendulum brakes, which carries it.
+
+    The torque is I a + m g l cos q, with I = 1.01 kg m^2, m l = 1 kg m (by hand). A slow swing needs m g l = 9.81 N m,
+    a fast one as much to accelerate; between them is an interval of factors that keep less than m g l, though standing
+    still in the horizontal does not. The least of them, against a scan of the formula.
+    """
+    limit = share * 9.81
+    path = tmp_path / "p.urdf"
+    path.write_text(PENDULUM.format(effort=limit))
+    robot = ps.load_robot(path)
+    move = ps.quintic_segments([[-np.pi / 2], [np.pi / 3]], [0.0, 0.5])
+    t = np.linspace(0, 0.5, 4001)
+    q, a = move(t)[:, 0], move(t, 2)[:, 0]
+    factors = np.linspace(1, 12, 11001)
+    peaks = np.array([np.abs(1.01 * a / k**2 + 9.81 * np.cos(q)).max() for k in factors])
+    holds = peaks <= limit
+    assert holds.any()
+    assert not holds[-1]  # standing still does not hold
+    stretch = ps.least_stretch(robot, move)
+    least = factors[holds][0]
+    assert least - 0.001 <= stretch.factor <= least + 1e-5
+    assert not ps.assess(robot, stretched(move, 0.999 * stretch.factor)).is_feasible
 
 
 def test_where_no_stretch_helps_it_is_said_why(puma: ps.Robot) -> None:

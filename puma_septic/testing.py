@@ -1,18 +1,27 @@
-"""For test suites: fail when a motion does not keep its limits."""
+"""For test suites: fail when a motion does not keep its limits, or a planned trajectory must not go to the robot.
+
+Both are fixtures of the same names where pytest runs, through the package's plug-in.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from math import isfinite
+from os import PathLike
+
+from numpy.typing import ArrayLike
 
 from puma_septic.assessment import Assessment, LimitCheck
 from puma_septic.assessment.checks import QUANTITIES
 from puma_septic.checks import checked_choice, checked_number
 from puma_septic.errors import InputError
+from puma_septic.gate import START_TOLERANCE, check_trajectory
 from puma_septic.limit_check import AT_LIMIT
+from puma_septic.robot import Robot
+from puma_septic.ros import read_joint_trajectories
 from puma_septic.tables import Cell, number, text_table
 
-__all__ = ["assert_feasible"]
+__all__ = ["assert_feasible", "assert_trajectory_ok"]
 
 
 def assert_feasible(
@@ -53,6 +62,55 @@ def assert_feasible(
     failed = [check for check in assessment.checks if not _is_kept(check, least) and ignored.isdisjoint(_names(check))]
     if failed:
         raise AssertionError(_message(assessment, failed, least))
+
+
+def assert_trajectory_ok(
+    path: str | PathLike[str],
+    robot: Robot,
+    *,
+    start: ArrayLike | None = None,
+    start_tolerance: float = START_TOLERANCE,
+    allow: Iterable[str] = (),
+) -> None:
+    """Fail unless every JointTrajectory in a file may go to the robot; the gate of ``puma-septic check``.
+
+    Parameters
+    ----------
+    path : path_like
+        YAML, JSON, a rosbag2 folder or an MCAP file; see `read_joint_trajectory`.
+    robot : Robot
+    start : array_like, shape (n_joints,), optional
+        Where the arm stands before the first, rad (m).
+    start_tolerance : float
+        rad (m).
+    allow : iterable of str
+        Reasons that do not count, such as "limit_unknown:jerk"; see `check_trajectory`.
+
+    Raises
+    ------
+    AssertionError
+        With the verdict, its reasons and the worst margins.
+    InputError
+        For a file that cannot be read as trajectories of this robot, and misspelt reasons.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import puma_septic as ps
+    >>> from puma_septic.testing import assert_trajectory_ok
+    >>> robot = ps.load_robot()
+    >>> move = ps.quintic_segments([[0.0] * 6, [0.5] * 6], [0.0, 2.0], joint_names=robot.joint_names)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = ps.write_joint_trajectory(pathlib.Path(folder, "move.yaml"), move)
+    ...     assert_trajectory_ok(path, robot, allow=["limit_unknown"])
+    """
+    __tracebackhide__ = True
+    allowed = tuple(allow)
+    for planned in read_joint_trajectories(path, robot, start=start):
+        place = None if planned.start is None else planned.start.position
+        check = check_trajectory(robot, planned.trajectory, start=place, start_tolerance=start_tolerance, allow=allowed)
+        if not check.is_ok:
+            raise AssertionError(f"{planned.origin}: {check}")
 
 
 def _names(check: LimitCheck) -> set[str | tuple[str, str]]:

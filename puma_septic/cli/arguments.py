@@ -17,7 +17,7 @@ from puma_septic.cli.sizing import SIZE, add_size
 __all__ = ["Answer", "parse"]
 
 
-_NEGATIVE = re.compile(r"-[0-9.]+[eE][-+]?[0-9]+")
+_NEGATIVE = re.compile(r"-[0-9.]+[eE][-+]?[0-9]+|-[0-9.].*,.*")
 
 
 class Answer(NamedTuple):
@@ -69,7 +69,7 @@ def parse(argv: Sequence[str] | None) -> Namespace:
     size.add_argument("--payload", type=_not_negative, metavar="KG", help="a point mass at the tool's origin")
     size.add_argument("--dwell", type=_not_negative, metavar="S", help="rest after each motion")
     add_size(size)
-    # argparse takes -1e-3 for an option (before Python 3.14); after a space it is a value, and the same number.
+    # argparse takes -1e-3 (before Python 3.14) and -1,0 for options; after a space it is a value, and the same number.
     given = sys.argv[1:] if argv is None else argv
     return parser.parse_args([f" {text}" if _NEGATIVE.fullmatch(text) else text for text in given])
 

@@ -24,6 +24,7 @@ _HOMES: Final = {
     "Friction": "drives",
     "Gearbox": "drives",
     "InputError": "errors",
+    "JointTrajectoryError": "ros",
     "Limits": "robot",
     "ModelError": "errors",
     "Motion": "motion",
@@ -39,6 +40,7 @@ _HOMES: Final = {
     "Sizing": "sizing",
     "Task": "task",
     "Trajectory": "trajectory",
+    "TrajectoryCheck": "gate",
     "Wrench": "robot",
     "assess": "assessment",
     "assess_task": "task",
@@ -115,6 +117,7 @@ if TYPE_CHECKING:
     from puma_septic.errors import ModelError as ModelError
     from puma_septic.errors import NoSolution as NoSolution
     from puma_septic.errors import PumaSepticError as PumaSepticError
+    from puma_septic.gate import TrajectoryCheck as TrajectoryCheck
     from puma_septic.gate import check_trajectory as check_trajectory
     from puma_septic.gate import least_stretch as least_stretch
     from puma_septic.kinematics import forward_kinematics as forward_kinematics
@@ -142,6 +145,7 @@ if TYPE_CHECKING:
     from puma_septic.robot import Robot as Robot
     from puma_septic.robot import Wrench as Wrench
     from puma_septic.robot import load_robot as load_robot
+    from puma_septic.ros import JointTrajectoryError as JointTrajectoryError
     from puma_septic.ros import read_joint_trajectories as read_joint_trajectories
     from puma_septic.ros import read_joint_trajectory as read_joint_trajectory
     from puma_septic.ros import write_joint_trajectory as write_joint_trajectory

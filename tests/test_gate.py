@@ -144,10 +144,15 @@ def test_an_end_velocity_that_the_controller_takes_for_rest_is_no_step(puma: ps.
 
 
 def test_an_arm_without_inertia_has_no_torque_to_judge(puma: ps.Robot) -> None:
+    """Its kinematic limits are judged all the same."""
     robot = replace(limited(puma), missing_inertia=("joint6",))
     check = ps.check_trajectory(robot, small_move(puma))
     assert check.verdict == "undecided"
     assert counting(check) == [("torque_unknown", None)]
+    assert {margin.quantity for margin in check.margins} == {"position", "velocity", "acceleration", "jerk"}
+    assert ps.check_trajectory(robot, small_move(puma), allow=["torque_unknown"]).is_ok
+    slow = robot.with_limits(velocity=0.2)
+    assert ps.check_trajectory(slow, small_move(puma)).verdict == "violated"
 
 
 def test_misspelt_reasons_are_refused(puma: ps.Robot) -> None:

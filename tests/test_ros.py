@@ -278,6 +278,13 @@ def test_what_topic_echo_prints_is_read(puma: ps.Robot, tmp_path: Path) -> None:
     ]
 
 
+def test_yaml_on_one_line_as_topic_pub_takes_it(puma: ps.Robot, tmp_path: Path) -> None:
+    path = tmp_path / "pub.yaml"
+    points = "{positions: [0, 0, 0, 0, 0, 0], time_from_start: 0}, {positions: [1, 0, 0, 0, 0, 0], time_from_start: 2}"
+    path.write_text(f"{{joint_names: [{', '.join(NAMES)}], points: [{points}]}}")
+    assert ps.read_joint_trajectory(path, puma)(1.0)[0] == 0.5
+
+
 @pytest.mark.parametrize(
     "stamp",
     [{"sec": 1, "nanosec": 500_000_000}, {"secs": 1, "nsecs": 500_000_000}, 1.5, {"sec": 1, "nanosec": 5 * 10**8}],
@@ -424,7 +431,7 @@ def test_everything_that_is_wrong_is_told_at_once(puma: ps.Robot, tmp_path: Path
         ("a.yaml", "points: &a [1]\nb: *a", "anchors and aliases"),
         ("a.yaml", "a: " + "[" * 5000, "nested more than 24 levels deep"),
         ("a.yaml", "a: 1\na: 2", "duplicate key"),
-        ("a.yaml", "#" * 4_000_001, "larger than the 4,000,000 bytes that a trajectory file may have"),
+        ("a.yaml", "#" * 2_000_001, "larger than the 2,000,000 bytes that a trajectory file may have"),
         ("a.json", "[" * 200_000, "not valid JSON"),
         ("a.json", '{"a": 1, "a": 2}', "the key 'a' is given twice"),
         ("a.json", '{"a": NaN}', "NaN is no number of JSON"),

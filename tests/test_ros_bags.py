@@ -148,12 +148,12 @@ def test_recordings_that_cannot_be_read(puma: ps.Robot, tmp_path: Path) -> None:
 def test_a_damaged_recording_is_bad_input_never_a_crash(
     puma: ps.Robot, tmp_path: Path, rng: np.random.Generator, storage: str
 ) -> None:
-    """150 recordings with bytes changed or cut off: read as they are, or refused."""
+    """40 recordings with bytes changed or cut off: read as they are, or refused."""
     bag = record(tmp_path / "bag", storage, {"/t": [(1, trajectory_message(small_move(puma), [0.0, 2.0]))]})
     [path] = [one for one in bag.iterdir() if one.name != "metadata.yaml"]
     data = path.read_bytes()
     refused = 0
-    for k in range(150):
+    for k in range(40):
         damaged = bytearray(data)
         for _ in range(rng.integers(1, 4)):
             damaged[rng.integers(len(damaged))] = rng.integers(256)
@@ -162,4 +162,4 @@ def test_a_damaged_recording_is_bad_input_never_a_crash(
             read_joint_trajectories(bag, puma)
         except ps.InputError:
             refused += 1
-    assert refused > 30
+    assert refused > 8

@@ -128,8 +128,7 @@ def _checked(
             yield _checked_log(path, robot, how, topic)
             return
         for planned in read_joint_trajectories(path, robot, start=start, topic=topic):
-            check = _held(robot, planned, how)
-            yield _Checked(path=path, origin=planned.origin, sha256=planned.sha256, check=check, planned=planned)
+            yield _held(path, robot, planned, how)
     except JointTrajectoryError as error:
         faults = [
             Reason(
@@ -145,14 +144,18 @@ def _checked(
         yield _invalid(path, [_refusal("unreadable", error)])
 
 
-def _held(robot: Robot, planned: PlannedTrajectory, how: tuple[float, tuple[str, ...]]) -> TrajectoryCheck:
+def _held(path: str, robot: Robot, planned: PlannedTrajectory, how: tuple[float, tuple[str, ...]]) -> _Checked:
     tolerance, allow = how
     start = None if planned.start is None else planned.start.position
-    check = check_trajectory(robot, planned.trajectory, start=start, start_tolerance=tolerance, allow=allow)
+    try:
+        check = check_trajectory(robot, planned.trajectory, start=start, start_tolerance=tolerance, allow=allow)
+    except InputError as error:
+        check = TrajectoryCheck(assessment=None, margins=(), reasons=(_refusal("unresolvable", error),))
     notes = [*planned.notes, *check.notes]
     if planned.message.has("effort").any():
         notes.append("effort fields are filled; a controller without an effort interface rejects the trajectory")
-    return replace(check, notes=tuple(notes))
+    check = replace(check, notes=tuple(notes))
+    return _Checked(path=path, origin=planned.origin, sha256=planned.sha256, check=check, planned=planned)
 
 
 def _is_log(path: Path, topic: str | None) -> bool:

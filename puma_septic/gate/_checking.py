@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from puma_septic.assessment import Assessment, LimitCheck, assess
-from puma_septic.assessment.checks import QUANTITIES, UNITS
+from puma_septic.assessment.checks import QUANTITIES, UNITS, limit_checks
 from puma_septic.checks import Array, checked_array, checked_number
 from puma_septic.errors import ModelError
 from puma_septic.gate._reasons import AT_REST, DRIVE_VALUES, Reason, checked_allowances, verdict_of
@@ -35,7 +35,8 @@ class TrajectoryCheck:
     Attributes
     ----------
     assessment : Assessment or None
-        The motion held against its limits; None where no torque can be computed.
+        The motion held against its limits; None where no torque can be computed, and only the kinematic limits are
+        judged.
     margins : tuple of LimitCheck
         For each joint and quantity with a known limit the worst margin and its instant; of a demand that is unbounded
         at steps, that of its finite part.
@@ -128,14 +129,16 @@ def check_trajectory(
     reasons = [*moving, *_unknown(robot, allowed)]
     if place is not None:
         reasons += _start_mismatch(robot, trajectory, place, tolerance)
+    assessment: Assessment | None = None
     try:
         assessment = assess(robot, judged)
+        checks = assessment.checks
     except ModelError as error:
         reasons.append(Reason(code="torque_unknown", message=str(error), allowed="torque_unknown" in allowed))
-        return TrajectoryCheck(assessment=None, margins=(), reasons=_sorted(reasons), notes=notes)
+        checks = _kinematic_checks(robot, judged)
     margins = []
-    for check in assessment.checks:
-        finite = check if np.isfinite(check.demand) else _finite_part(assessment, check)
+    for check in checks:
+        finite = check if np.isfinite(check.demand) else _finite_part(robot, judged, assessment, check)
         if finite is not check:
             reasons.append(_unbounded(check, allowed))
         if not np.isnan(finite.limit):
@@ -143,6 +146,12 @@ def check_trajectory(
             if finite.is_violated:
                 reasons.append(_violation(finite))
     return TrajectoryCheck(assessment=assessment, margins=tuple(margins), reasons=_sorted(reasons), notes=notes)
+
+
+def _kinematic_checks(robot: Robot, trajectory: Trajectory) -> tuple[LimitCheck, ...]:
+    """What needs no torque: position, velocity, acceleration and jerk."""
+    demands = {quantity: trajectory.peak(order) for quantity, order in _ORDER.items()}
+    return limit_checks(robot, trajectory.extrema(0), demands)
 
 
 def _sorted(reasons: list[Reason]) -> tuple[Reason, ...]:
@@ -240,11 +249,14 @@ def _start_mismatch(robot: Robot, trajectory: Trajectory, start: Array, toleranc
     return reasons
 
 
-def _finite_part(assessment: Assessment, check: LimitCheck) -> LimitCheck:
+def _finite_part(robot: Robot, trajectory: Trajectory, assessment: Assessment | None, check: LimitCheck) -> LimitCheck:
     """The check of what is demanded between the steps."""
-    motion = assessment.motion
-    function = motion.torque if check.quantity == "effort" else motion.trajectory.derivative(_ORDER[check.quantity])
-    extrema, j = function.extrema(), motion.robot.joint_names.index(check.joint)
+    if check.quantity == "effort":
+        assert assessment is not None  # else there is no check of an effort
+        function = assessment.motion.torque
+    else:
+        function = trajectory.derivative(_ORDER[check.quantity])
+    extrema, j = function.extrema(), robot.joint_names.index(check.joint)
     demand = float(extrema.peak[j])
     utilisation = demand / check.limit
     return replace(check, demand=demand, time=float(extrema.t_peak[j]), utilisation=utilisation, margin=1 - utilisation)

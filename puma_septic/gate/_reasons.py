@@ -48,6 +48,7 @@ _UNDECIDED: Final = {
     "torque_unknown": "the torque cannot be computed: the robot lacks inertia",
 }
 _INVALID: Final = {
+    "unresolvable": "the motion swings so wildly that its torque cannot be computed",
     "setup_invalid": "the robot, its actuator file or the start state cannot be read",
 }
 REASON_CODES: Final = {**_VIOLATED, **_UNDECIDED, **_INVALID}

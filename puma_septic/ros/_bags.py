@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, is_dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, Final, final
 
@@ -18,6 +19,7 @@ from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.rosbag2 import ReaderError
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, TypesysError, get_typestore
+from rosbags.typesys.store import Typestore
 
 from puma_septic.errors import InputError
 from puma_septic.files import sha256_of
@@ -106,13 +108,18 @@ def read_recording(path: Path, kinds: tuple[str, ...], topic: str | None) -> Rec
 @contextmanager
 def _opened(path: Path) -> Iterator[AnyReader]:
     try:
-        # Recordings of Humble and before do not hold their message definitions.
-        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+        with AnyReader([path], default_typestore=_types()) as reader:
             yield reader
     except InputError:
         raise
     except _FOREIGN as error:
         raise InputError(f"{path}: cannot be read as a recording: {type(error).__name__}: {error}") from error
+
+
+@cache
+def _types() -> Typestore:
+    """The messages of Humble: recordings of it and before do not hold their definitions."""
+    return get_typestore(Stores.ROS2_HUMBLE)
 
 
 def _digest(path: Path) -> str:

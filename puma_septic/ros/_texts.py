@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from io import StringIO
 from pathlib import Path
 from typing import Any, Final
@@ -14,12 +15,12 @@ from ruamel.yaml.representer import RoundTripRepresenter
 from puma_septic.errors import InputError
 from puma_septic.files import decoded, read_bytes, yaml_documents
 
-__all__ = ["SUFFIXES", "documents_of", "is_json", "read_documents", "text_of"]
+__all__ = ["SUFFIXES", "documents_of", "read_documents", "text_of"]
 
 SUFFIXES: Final = (".yaml", ".yml", ".json")
 # The pure-Python YAML parser takes 7 s for a megabyte, some 2,200 points of six joints with velocities and
 # accelerations; JSON a twentieth of a second.
-MAX_YAML: Final = 4_000_000
+MAX_YAML: Final = 2_000_000
 MAX_JSON: Final = 64_000_000
 # A goal of an action with a plan in it needs nine.
 _MAX_DEPTH: Final = 24
@@ -33,25 +34,20 @@ def read_documents(path: Path) -> tuple[list[Any], bytes]:
     InputError
         Naming file and place, for what cannot be read.
     """
-    is_yaml = path.suffix != ".json"
-    data = read_bytes(path, what="trajectory file", at_most=MAX_YAML if is_yaml else MAX_JSON)
-    return documents_of(decoded(data, path), str(path)), data
+    as_json = path.suffix == ".json"
+    data = read_bytes(path, what="trajectory file", at_most=MAX_JSON if as_json else MAX_YAML)
+    return documents_of(decoded(data, path), str(path), as_json=as_json), data
 
 
-def documents_of(text: str, origin: str) -> list[Any]:
+def documents_of(text: str, origin: str, *, as_json: bool = False) -> list[Any]:
     """Every document of a text that is JSON, or YAML with ``---`` between documents; empty ones are left out."""
-    if is_json(text):
-        documents = [_json(text, origin)]
-    else:
-        if len(text) > MAX_YAML:
-            raise InputError(f"{origin}: more than {MAX_YAML:,} characters of YAML; write it as JSON")
-        documents = yaml_documents(text, origin, max_depth=_MAX_DEPTH)
+    if as_json:
+        return [_json(text, origin)]
+    if text.lstrip()[:1] in ("{", "["):
+        with suppress(InputError):  # YAML may begin like JSON, which is read a hundred times faster
+            return [_json(text, origin)]
+    documents = yaml_documents(text, origin, max_depth=_MAX_DEPTH)
     return [document for document in documents if document is not None]
-
-
-def is_json(text: str) -> bool:
-    """Whether a text begins as JSON does; such YAML is JSON but for comments and quotes."""
-    return text.lstrip()[:1] in ("{", "[")
 
 
 def text_of(document: dict[str, Any], *, as_json: bool) -> str:

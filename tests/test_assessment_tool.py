@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from arms import branched_arm
+from arms import branched_arm, joint, link, load
 from sampled import between, refined_extrema, refined_peak
 from test_motion import PROFILES, panda, paper, parabolic_blends, random_move, ur5
 
@@ -99,6 +99,29 @@ def test_what_is_measured_depends_on_the_arm(tmp_path: Path) -> None:
     assert singularity_names(ur5()) == ("determinant",)
     assert singularity_names(panda()) == ("manipulability",)
     assert singularity_names(branched_arm(tmp_path, np.random.default_rng(0), 4)) == ("manipulability",)
+
+
+def test_a_jaw_makes_no_arm_singular(tmp_path: Path) -> None:
+    """An SO-ARM101 (five joints and a jaw) was "singular" for every motion: the jaw moves the tool nowhere, so that all
+    six columns have no determinant. The inverse kinematics, which leaves the jaw out, said otherwise."""
+    axes = ([0, 0, 1], [0, 1, 0], [0, 1, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1])
+    names = [*(f"l{k}" for k in range(5)), "jaw"]
+    parents = ["base", *names[:4], "l4"]
+    body = '  <link name="base"/>\n' + "".join(link(name, 0.5, [0, 0, 0.1], np.eye(3) * 1e-3) for name in names)
+    for k, (parent, name, axis) in enumerate(zip(parents, names, axes, strict=True)):
+        body += joint(f"j{k}" if name != "jaw" else "grip", "revolute", parent, name, [0.02, 0.01, 0.1], axis)
+    robot = load(tmp_path, "so_arm", body, tool="l4")
+    q = np.array([0.2, 0.5, -0.9, 0.4, 0.6, 0.3])
+    carrying = ps.jacobian(robot, q)[:, robot.joint_names.index("j0") :][:, :5]
+    assert singularity_names(robot) == ("manipulability",)
+    # Yoshikawa's manipulability is the product of the singular values (Yoshikawa 1985).
+    expected = np.linalg.svd(carrying, compute_uv=False).prod() ** 2
+    assert singularity_distances(robot, q[None])[0, 0] == pytest.approx(expected, rel=1e-12)
+    assert expected > 1e-9
+    (report,) = metrics(robot, ps.quintic_segments([q, q + 0.1], [0.0, 1.0])).singularities
+    assert report.least_distance > 0
+    assert len(report.crossings) == 0
+    assert not ps.inverse_kinematics(robot, ps.forward_kinematics(robot, q), q_near=q).singular[0]
 
 
 @pytest.mark.parametrize("joint", [2, 4])  # elbow straight, wrist aligned

@@ -172,6 +172,20 @@ def test_turns_near_a_given_configuration(puma: ps.Robot) -> None:
     np.testing.assert_allclose(ps.inverse_kinematics(puma, pose, q_near=other).q[k], other, rtol=0, atol=1e-12)
 
 
+def test_the_turn_nearest_to_where_the_joint_stands_is_within_its_limits(puma: ps.Robot) -> None:
+    """A joint of several turns once went to the middle of its range where the nearest turn was just beyond a limit."""
+    limits = puma.limits.position.copy()
+    limits[5] = [-20.0, 20.0]
+    robot, k = puma.with_limits(position=limits), CONFIGURATIONS.index("right-up-noflip")
+    q = np.array([0.2, 0.5, -2.0, 0.1, 0.6, 1.0])
+    pose = ps.forward_kinematics(robot, q)
+    for stands, turns in ((19.9, 3), (16.0, 2), (-19.9, -3), (60.0, 3), (-60.0, -3), (0.9, 0), (17.5, 3)):
+        near = np.array([*q[:5], stands])
+        found = ps.inverse_kinematics(robot, pose, q_near=near)
+        assert found.q[k, 5] == pytest.approx(1.0 + turns * TURN, abs=1e-12), stands
+        assert found.within_limits[k]
+
+
 def test_out_of_limits_is_nearest_to_their_middle(puma: ps.Robot) -> None:
     low, high = puma.limits.position.T
     pose = ps.forward_kinematics(puma, QN)

@@ -149,7 +149,7 @@ def test_septic_with_a_via_close_to_an_end() -> None:
         (
             POINTS,
             [0, 1e-200, 1, 2],
-            r"times: degree 7 with segments of 1e-200 s \(segment 1, 0 s after",
+            r"times\[0\] = 0 s and times\[1\] = 1e-200 s are too close to each other",
         ),
         (POINTS, "0 2 6 9", r"times: expected numbers of shape \(n,\), got '0 2 6 9'"),
         (np.where(POINTS == 2.57, np.nan, POINTS), TIMES, r"points\[0, 0\] = nan is not a finite number"),

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 import puma_septic as ps
 from puma_septic.kinematics import inverse_kinematics
 from puma_septic.task import assess_task, load_task, make_task, parse_task, resolve_task, task_names
+from puma_septic.task.branches import Posed, branches_through
 
 TURN = 2 * np.pi
 
@@ -149,6 +150,43 @@ def test_poses_are_wrapped_the_short_way(angles: list[float]) -> None:
     assert np.abs(np.diff(way)).sum() == pytest.approx(_shortest(choices), abs=1e-9)
     assert (low - 1e-9 <= way).all()
     assert (way <= high + 1e-9).all()
+
+
+@pytest.mark.parametrize("start", [0.3, 20.0, -31.0])
+def test_poses_follow_a_joint_over_any_number_of_turns(start: float) -> None:
+    """A continuous joint that stands turns away, or goes on turning, once jumped back by whole turns: only one turn
+    more or less than the solver's angle was tried."""
+    unlimited = np.full((6, 2), np.nan)
+    robot = ps.load_robot().with_limits(position=unlimited)
+    angles = start + 2.0 * np.arange(12)
+    q = np.tile([0.3, 0.5, -2.5, 0.4, 0.7, 0.0], (len(angles), 1))
+    q[:, 5] = angles
+    waypoints = [q[0], *(_posed(robot, row) for row in q[1:-1]), q[-1]]
+    ways = branches_through(robot, waypoints)
+    assert min(np.abs(way.q - q).max() for way in ways) < 1e-9
+
+
+def test_a_limited_joint_of_several_turns_turns_back_in_time() -> None:
+    """With a range of three turns the way on is blocked at the last pose: the whole way is chosen with it in view."""
+    limits = ps.load_robot().limits.position.copy()
+    limits[5] = [-9.5, 9.5]
+    robot = ps.load_robot().with_limits(position=limits)
+    angles = np.array([0.0, 3.0, 6.0, 9.0, 12.0, 15.0])
+    q = np.tile([0.3, 0.5, -2.5, 0.4, 0.7, 0.0], (len(angles), 1))
+    q[:, 5] = angles
+    way = min(branches_through(robot, [q[0], *(_posed(robot, row) for row in q[1:])]), key=_away_from(q)).q[:, 5]
+    choices = [[0.0], *([a + k * TURN for k in range(-5, 5) if abs(a + k * TURN) <= 9.5] for a in angles[1:])]
+    assert np.abs(way).max() <= 9.5
+    assert np.abs(np.diff(way)).sum() == pytest.approx(_shortest(choices), abs=1e-9)
+
+
+def _away_from(q: np.ndarray) -> Callable[[Any], float]:
+    return lambda way: float(np.abs(way.q[:, :5] - q[:, :5]).max())
+
+
+def _posed(robot: ps.Robot, q: np.ndarray) -> Posed:
+    pose = ps.forward_kinematics(robot, q)
+    return Posed(T_world_tool=pose, solutions=inverse_kinematics(robot, pose))
 
 
 def _shortest(choices: list[list[float]]) -> float:

@@ -83,10 +83,11 @@ class Vias:
         if len(instants) != len(q):
             raise InputError(f"times: {len(instants)} times for {len(q)} points; one for each is needed")
         t = instants - instants[0] if instants[0] else instants
-        if t is not instants and not (t[1:] > t[:-1]).all():
-            k = int(np.argmin(t[1:] > t[:-1]))
+        apart = np.diff(t) > np.spacing(t[-1])
+        if not apart.all():
+            k = int(np.argmin(apart))
             raise InputError(
-                f"times: times[{k}] = {instants[k]:.17g} s and times[{k + 1}] = {instants[k + 1]:.17g} s are too close"
+                f"times: times[{k}] = {instants[k]:.12g} s and times[{k + 1}] = {instants[k + 1]:.12g} s are too close"
                 f" to each other to be told apart in the {t[-1]:g} s since the first"
             )
         t.setflags(write=False)

@@ -151,8 +151,8 @@ def test_the_arms_own_drives_are_those_of_its_files() -> None:
         train = catalogue.drivetrain(k, k)
         assert train.gearbox.ratio == own.gearbox.ratio
         assert train.inertia == own.inertia
-        assert train.viscous_friction == own.viscous_friction
-        assert train.coulomb_friction.tolist() == own.coulomb_friction.tolist()
+        assert train.friction.viscous == own.friction.viscous
+        assert train.friction.coulomb.tolist() == own.friction.coulomb.tolist()
         assert train.max_effort == own.max_effort
         assert train.motor.max_speed == own.motor.max_speed
         assert np.array_equal(train.motor.torque_constant, own.motor.torque_constant, equal_nan=True)

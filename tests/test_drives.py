@@ -9,8 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from arms import pendulum
+from hypothesis import given
+from hypothesis import strategies as st
 
 import puma_septic as ps
+from puma_septic.piecewise import Piecewise
 
 GEARED = {"gearbox": ps.Gearbox(ratio=-50.0, efficiency=0.8, backward_efficiency=0.6, inertia=1e-4)}
 
@@ -25,8 +28,8 @@ def test_a_drive_train_sums_what_is_known_of_inertia_and_friction() -> None:
     assert train.inertia == pytest.approx(3e-4, rel=1e-15)
     assert train.reflected_inertia == pytest.approx(0.75, rel=1e-15)
     np.testing.assert_allclose(train.transmission, [0.6, 1.0, 1.25], rtol=1e-15)
-    np.testing.assert_allclose(train.coulomb_friction, [-0.05, 0.0, 0.05], rtol=1e-15)
-    assert train.viscous_friction == 1e-3
+    np.testing.assert_allclose(train.friction.coulomb, [0.05, -0.05], rtol=1e-15)
+    assert train.friction.viscous == 1e-3
     assert train.left_out == train.assumptions == ()
 
 
@@ -40,7 +43,8 @@ def test_an_unknown_backward_efficiency_is_the_forward_one_and_said_so() -> None
 
 def test_what_is_unknown_is_left_out_and_listed() -> None:
     train = ps.Drivetrain(motor=ps.Motor(), gearbox=ps.Gearbox(ratio=10.0))
-    assert train.inertia == train.viscous_friction == 0.0
+    assert train.inertia == train.friction.known.viscous == 0.0
+    assert not train.friction.is_known
     assert train.transmission.tolist() == [1.0, 1.0, 1.0]
     assert train.left_out == (
         "rotor inertia",
@@ -54,7 +58,7 @@ def test_measured_friction_keeps_both_of_its_signs() -> None:
     train = ps.Drivetrain(
         motor=ps.Motor(rotor_inertia=1e-4), gearbox=ps.Gearbox(ratio=60.0), measured_friction=friction
     )
-    assert train.coulomb_friction.tolist() == [-0.435, 0.0, 0.395]
+    assert train.friction is friction
     assert train.transmission.tolist() == [1.0, 1.0, 1.0]
     assert train.left_out == ()
 
@@ -210,3 +214,49 @@ def test_the_examples_of_the_docs_are_read(puma: ps.Robot, tmp_path: Path) -> No
     names: dict = {"ps": ps}
     exec(compile(code, "motors.md", "exec"), names)
     assert names["train"].reflected_inertia == 2.0
+
+
+# ---- the friction law
+
+
+@given(
+    viscous=st.floats(0, 10),
+    coulomb=st.tuples(st.floats(0, 10), st.floats(-10, 0)),
+    speed=st.floats(0, 1e3),
+    way=st.sampled_from([-1, 0, 1]),
+)
+def test_friction_never_drives_and_has_the_sign_of_travel(
+    viscous: float, coulomb: tuple, speed: float, way: int
+) -> None:
+    friction = ps.Friction(viscous=viscous, coulomb=coulomb)
+    assert way * friction.torque(way * speed, way) >= 0
+    at_a_turn = float(friction.torque(0.0, way))
+    assert at_a_turn == {1: coulomb[0], -1: coulomb[1], 0: 0.0}[way]
+    # A velocity of rounding the wrong way does not turn the Coulomb part.
+    assert float(friction.torque(-1e-17 * way, way)) == pytest.approx(at_a_turn, abs=1e-15)
+
+
+def test_friction_beyond_the_gears_is_the_robot_s_own(puma: ps.Robot) -> None:
+    """The robot computes the joint's friction from its actuators by itself: both ways agree, negative ratios too."""
+    for j, actuator in enumerate(puma.actuators):
+        law = ps.Friction(viscous=actuator.viscous_friction, coulomb=actuator.coulomb_friction)
+        joint = law.reflected(actuator.gear_ratio).known
+        assert joint.viscous == puma.viscous_friction[j]
+        np.testing.assert_array_equal(joint.coulomb, puma.coulomb_friction[j])
+
+
+def test_friction_along_a_motion_is_that_of_its_instants() -> None:
+    friction = ps.Friction(viscous=0.1, coulomb=[0.4, -0.5])
+    velocity = Piecewise.from_power([0.0, 1.0, 2.0, 3.0], [[[2.0], [0.0], [0.0]], [[-2.0], [0.0], [-3.0]]])
+    moving = np.array([1.0, 0.0, -1.0])
+    found = friction.along(velocity, moving)
+    np.testing.assert_allclose(found(velocity.middles)[:, 0], friction.torque([1.0, 0.0, -1.5], moving), rtol=1e-15)
+    assert found.jumps().sizes.ravel() == pytest.approx([-0.4, -0.5])
+
+
+def test_what_is_unknown_of_friction_is_left_out() -> None:
+    partly = ps.Friction(coulomb=[0.4, np.nan])
+    assert not partly.is_known
+    assert partly.torque([3.0, -3.0], [1, -1]).tolist() == [0.4, 0.0]
+    with pytest.raises(ps.InputError, match="viscous = -1 N m s/rad must be at least 0"):
+        ps.Friction(viscous=-1.0)

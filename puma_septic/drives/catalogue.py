@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from puma_septic.checks import Array, checked_array
+from puma_septic.drives._friction import Friction
 from puma_septic.drives.drivetrain import Drivetrain
-from puma_septic.drives.values import Drive, Friction, Gearbox, Motor
+from puma_septic.drives.values import Drive, Gearbox, Motor
 from puma_septic.errors import InputError
 
 __all__ = ["Catalogue", "Pair"]

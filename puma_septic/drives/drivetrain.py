@@ -8,7 +8,8 @@ from typing import final
 import numpy as np
 
 from puma_septic.checks import Array, checked_number
-from puma_septic.drives.values import ABSOLUTE_ZERO_CELSIUS, Drive, Friction, Gearbox, Motor
+from puma_septic.drives._friction import Friction
+from puma_septic.drives.values import ABSOLUTE_ZERO_CELSIUS, Drive, Gearbox, Motor
 from puma_septic.errors import InputError
 
 __all__ = ["Drivetrain"]
@@ -21,7 +22,7 @@ class Drivetrain:
 
     The motor's torque is, in the joint's direction and with ``n = abs(gearbox.ratio)``,
 
-    ``inertia n a + transmission tau / n + viscous n v + coulomb sign(v)``,
+    ``inertia n a + transmission tau / n + friction(n v)``,
 
     where tau is the torque that the gearbox's output carries (links, payload, wrench: no rotor, no friction) and the
     transmission is 1/efficiency where the motor drives (``tau v > 0``), the backward efficiency where the load drives,
@@ -113,19 +114,13 @@ class Drivetrain:
         return np.array([self.gearbox.efficiency if np.isnan(backward) else backward, 1.0, 1 / self.gearbox.efficiency])
 
     @property
-    def viscous_friction(self) -> float:
-        """At the motor, N m s/rad; 0 where unknown."""
-        measured = self.measured_friction
-        return float(np.nan_to_num(self.motor.viscous_friction if measured is None else measured.viscous))
-
-    @property
-    def coulomb_friction(self) -> Array:
-        """At the motor for negative velocity, at rest and for positive, N m, shape (3,); unknown parts left out."""
+    def friction(self) -> Friction:
+        """At the motor: what was measured through the gears, or the motor's own and the gears' no-load torque."""
         if self.measured_friction is not None:
-            positive, negative = np.nan_to_num(self.measured_friction.coulomb)
-            return np.array([negative, 0.0, positive])
-        size = np.nansum([self.motor.coulomb_friction, self.gearbox.no_load_torque])
-        return np.array([-size, 0.0, size])
+            return self.measured_friction
+        parts = np.array([self.motor.coulomb_friction, self.gearbox.no_load_torque])
+        size = np.nan if np.isnan(parts).all() else np.nansum(parts)
+        return Friction(viscous=self.motor.viscous_friction, coulomb=np.array([size, -size]))
 
     @property
     def left_out(self) -> tuple[str, ...]:
@@ -137,7 +132,7 @@ class Drivetrain:
             missing.append("input inertia of the gears")
         if measured is None and np.isnan(self.gearbox.efficiency):
             missing.append("losses of the gears (neither efficiency nor measured friction)")
-        if measured is not None and (np.isnan(measured.viscous) or np.isnan(measured.coulomb).any()):
+        if measured is not None and not measured.is_known:
             missing.append("measured friction (viscous or Coulomb part)")
         return tuple(missing)
 

@@ -8,8 +8,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from puma_septic.drives._friction import Friction
 from puma_septic.drives.drivetrain import Drivetrain
-from puma_septic.drives.values import Drive, Friction, Gearbox, Motor
+from puma_septic.drives.values import Drive, Gearbox, Motor
 from puma_septic.errors import InputError, ModelError
 from puma_septic.robot import Robot
 from puma_septic.robot.toml_text import read_toml, table

@@ -12,7 +12,7 @@ import numpy as np
 from puma_septic.checks import Array, checked_array, checked_number
 from puma_septic.errors import InputError
 
-__all__ = ["ABSOLUTE_ZERO_CELSIUS", "Drive", "Friction", "Gearbox", "Motor"]
+__all__ = ["ABSOLUTE_ZERO_CELSIUS", "Drive", "Gearbox", "Motor"]
 
 ABSOLUTE_ZERO_CELSIUS: Final = -273.15  # by the definition of the scale
 # Resistivity of copper, per K at 20 degrees Celsius: the customary value; some data sheets print 0.0039.
@@ -59,36 +59,6 @@ def _check_curve(part: object, name: str) -> None:
 
 def _no_curve() -> Array:
     return np.empty((0, 2))
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class Friction:
-    """Friction of a whole drive train, measured at the motor through its gears: their losses are in it.
-
-    At the motor it takes ``viscous abs(gear_ratio) v + coulomb[0 if v > 0 else 1]`` in the joint's direction, and no
-    Coulomb part at rest.
-
-    Parameters
-    ----------
-    viscous : float
-        N m s/rad.
-    coulomb : array_like, shape (2,)
-        N m, for positive (>= 0) and negative (<= 0) joint velocity.
-    """
-
-    viscous: float = np.nan
-    coulomb: Array = field(default_factory=lambda: np.full(2, np.nan))
-
-    def __post_init__(self) -> None:
-        _check(self, {"viscous": "N m s/rad"}, _NOT_NEGATIVE)
-        coulomb = checked_array("coulomb", self.coulomb, (2,), unit="N m", allow_nan=True)
-        if coulomb[0] < 0 or coulomb[1] > 0:
-            raise InputError(
-                f"coulomb = [{coulomb[0]:g}, {coulomb[1]:g}] N m: the first (positive velocity) must be >= 0 and the"
-                " second (negative velocity) <= 0"
-            )
-        object.__setattr__(self, "coulomb", coulomb)
 
 
 @final

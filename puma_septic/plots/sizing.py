@@ -251,7 +251,7 @@ def plot_ratio_sweep(sizing: Sizing) -> Figure:
 def _rms_over_ratio(d: Demands) -> Array:
     """``n``: the load falls with it, the rotor and viscous friction grow, Coulomb friction stays."""
     parts, size = d.motor.parts, d.motor.duration
-    steps = parts["friction"] - d.load.velocity * (d.train.viscous_friction * d.train.ratio)
+    steps = parts["friction"] - d.load.velocity * (d.train.friction.known.viscous * d.train.ratio)
     turning = parts["rotor"] + parts["friction"] - steps
     functions = [parts["load"], turning, steps]
     gram = np.array([[float(f.inner(g)[0]) / size for g in functions] for f in functions])

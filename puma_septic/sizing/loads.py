@@ -166,16 +166,15 @@ def motor_load(load: JointLoad, train: Drivetrain) -> MotorLoad:
     """What the motor of a drive train sees of a joint's load; see `Drivetrain` for the equation."""
     n = train.ratio
     passed = train.transmission[load.power_sign.astype(int) + 1] / n
-    coulomb = train.coulomb_friction[load.velocity_sign.astype(int) + 1]
-    steps = load.velocity.stepwise(coulomb[:, None])
+    speed = load.velocity * n
     parts = {
         "load": load.torque.by_interval(passed * ~load.braked),
         "rotor": load.acceleration * (train.inertia * n),
-        "friction": load.velocity * (train.viscous_friction * n) + steps,
+        "friction": train.friction.along(speed, load.velocity_sign),
     }
     return MotorLoad(
         torque=parts["load"] + parts["rotor"] + parts["friction"],
-        speed=load.velocity * n,
+        speed=speed,
         direction=load.velocity_sign,
         parts=parts,
         unbounded=load.unbounded,

@@ -81,8 +81,10 @@ def pair_table(catalogue: Catalogue, joint: int, places: Sequence[Drivetrain] | 
     bare = Gearbox(ratio=1.0)
     motors = [Drivetrain(motor=motor, gearbox=bare) for motor in catalogue.motors]
     gears = [Drivetrain(motor=Motor(), gearbox=gearbox) for gearbox in catalogue.gearboxes]
-    first = np.array([[t.inertia, t.viscous_friction, t.coulomb_friction[2]] for t in motors])
-    second = np.array([[t.inertia, t.viscous_friction, t.coulomb_friction[2]] for t in gears])
+    first, second = (
+        np.array([[t.inertia, law.viscous, law.coulomb[0]] for t in trains for law in (t.friction.known,)])
+        for trains in (motors, gears)
+    )
     sums = first[catalogue.motor_index] + second[catalogue.gearbox_index]
     ratio = np.array([t.ratio for t in gears])[catalogue.gearbox_index]
     passed = np.array([t.transmission[::-1] for t in gears])[catalogue.gearbox_index]
@@ -92,7 +94,8 @@ def pair_table(catalogue: Catalogue, joint: int, places: Sequence[Drivetrain] | 
     for k, pair in enumerate(catalogue.pairs or ()):
         if pair.friction is not None:
             t = catalogue.drivetrain(k, joint)
-            friction = [t.viscous_friction * t.ratio, t.coulomb_friction[2], -t.coulomb_friction[0]]
+            law = t.friction.known
+            friction = [law.viscous * t.ratio, law.coulomb[0], -law.coulomb[1]]
             coefficients[k] = [t.inertia * t.ratio, *t.transmission[::-1] / t.ratio, *friction]
     place = Drivetrain(motor=Motor(), gearbox=bare) if places is None else places[joint]
     return PairTable(

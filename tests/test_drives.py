@@ -42,6 +42,7 @@ def test_an_unknown_backward_efficiency_is_the_forward_one_and_said_so() -> None
 
 
 def test_what_is_unknown_is_left_out_and_listed() -> None:
+    """A motor's friction was once left out without a word."""
     train = ps.Drivetrain(motor=ps.Motor(), gearbox=ps.Gearbox(ratio=10.0))
     assert train.inertia == train.friction.known.viscous == 0.0
     assert not train.friction.is_known
@@ -50,6 +51,8 @@ def test_what_is_unknown_is_left_out_and_listed() -> None:
         "rotor inertia",
         "input inertia of the gears",
         "losses of the gears (neither efficiency nor measured friction)",
+        "viscous friction of the motor",
+        "Coulomb friction (of the motor, or the gears' no-load torque)",
     )
 
 

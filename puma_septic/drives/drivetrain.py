@@ -132,6 +132,10 @@ class Drivetrain:
             missing.append("input inertia of the gears")
         if measured is None and np.isnan(self.gearbox.efficiency):
             missing.append("losses of the gears (neither efficiency nor measured friction)")
+        if measured is None and np.isnan(self.friction.viscous):
+            missing.append("viscous friction of the motor")
+        if measured is None and np.isnan(self.friction.coulomb).any():
+            missing.append("Coulomb friction (of the motor, or the gears' no-load torque)")
         if measured is not None and not measured.is_known:
             missing.append("measured friction (viscous or Coulomb part)")
         return tuple(missing)

@@ -387,9 +387,12 @@ def test_an_unforeseen_exception_is_70_with_what_to_report(
     assert capsys.readouterr().err.startswith("Traceback (most recent call last):")
 
 
-@pytest.mark.parametrize("command", ["assess", "ik", "paper", "replay", "compare", "optimise", "profiles", "size"])
+@pytest.mark.parametrize(
+    "command", ["assess", "ik", "paper", "replay", "compare", "optimise", "profiles", "size", "check"]
+)
 def test_every_command_takes_debug(command: str) -> None:
-    assert parse([command, "--debug"]).debug
+    needed = ["--robot", "puma560", "plan.yaml"] if command == "check" else []
+    assert parse([command, *needed, "--debug"]).debug
 
 
 def test_debug_changes_nothing_of_bad_input(capsys: pytest.CaptureFixture[str]) -> None:

@@ -123,6 +123,7 @@ def test_straight_lines_need_an_infinite_torque_and_say_what_is_finite(puma: ps.
 def test_a_velocity_at_an_end_is_told_as_that(puma: ps.Robot) -> None:
     values = np.array([[0.0] * 6, [0.3] * 6])
     move = ps.profiles.cubic(values, [0.0, 2.0], velocities=np.array([[0.0] * 6, [0, 0, 0.1, 0, 0, 0]]))
+    move = replace(move, rest_before=True, rest_after=True)  # as a trajectory that is sent to a controller is read
     robot = limited(puma)
     check = ps.check_trajectory(robot, move, allow=["unbounded_jerk"])
     moving = check.reasons[0]
@@ -138,6 +139,7 @@ def test_an_end_velocity_that_the_controller_takes_for_rest_is_no_step(puma: ps.
     """validate_trajectory_msg accepts up to the epsilon of a float, 1.19e-7 rad/s; planners end with 1e-8."""
     values = np.array([[0.0] * 6, [0.3] * 6])
     move = ps.profiles.quintic(values, [0.0, 2.0], velocities=np.array([[0.0] * 6, [0, 0, speed, 0, 0, 0]]))
+    move = replace(move, rest_before=True, rest_after=True)
     check = ps.check_trajectory(limited(puma), move)
     assert check.is_ok
     assert check.notes == (f"velocities up to {speed:.2g} at the end are taken for rest, as the controller does",)

@@ -136,6 +136,9 @@ def test_recordings_that_cannot_be_read(puma: ps.Robot, tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     with pytest.raises(JointTrajectoryError, match="cannot be read as a recording"):
         read_joint_trajectories(tmp_path / "empty", puma)
+    (tmp_path / "empty" / "metadata.yaml").write_text("#" * 1_000_001)
+    with pytest.raises(JointTrajectoryError, match="larger than the 1,000,000 bytes that it may have"):
+        read_joint_trajectories(tmp_path / "empty", puma)
     (tmp_path / "text.mcap").write_text("no recording")
     with pytest.raises(JointTrajectoryError, match="cannot be read as a recording"):
         read_joint_trajectories(tmp_path / "text.mcap", puma)

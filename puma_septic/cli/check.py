@@ -5,12 +5,12 @@ from __future__ import annotations
 from argparse import Namespace
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from importlib import import_module
 from pathlib import Path
 from typing import Any, Final, final
 
 import numpy as np
 
+import puma_septic
 from puma_septic import __version__
 from puma_septic.assessment.checks import QUANTITIES
 from puma_septic.checks import checked_number
@@ -169,10 +169,9 @@ def _is_log(path: Path, topic: str | None) -> bool:
 
 
 def _checked_log(path: str, robot: Robot, how: tuple[float, tuple[str, ...]], topic: str | None) -> _Checked:
-    # SciPy, which fits it, takes longer to load than a trajectory to check.
-    logged: Any = import_module("puma_septic.profiles.logged")
     log = read_joint_state_log(path, robot, topic=topic)
-    trajectory = logged.fit_trajectory(log.t, log.q, joint_names=robot.joint_names)
+    # By its public name, which loads it here: SciPy takes longer to load than a trajectory to check.
+    trajectory = puma_septic.fit_trajectory(log.t, log.q, joint_names=robot.joint_names)
     tolerance, allow = how
     check = check_trajectory(robot, trajectory, start_tolerance=tolerance, allow=allow)
     notes = (

@@ -38,6 +38,7 @@ TRAJECTORY_TYPES: Final = (
     "moveit_msgs/msg/DisplayTrajectory",
 )
 _MOST_BYTES: Final = 4_000_000_000
+_MOST_DESCRIPTION: Final = 1_000_000
 _MOST_MESSAGES: Final = 2_000_000
 # What rosbags and what it stands on raise for a damaged recording.
 _FOREIGN: Final = (
@@ -107,6 +108,7 @@ def read_recording(path: Path, kinds: tuple[str, ...], topic: str | None) -> Rec
 
 @contextmanager
 def _opened(path: Path) -> Iterator[AnyReader]:
+    _files(path)
     try:
         with AnyReader([path], default_typestore=_types()) as reader:
             yield reader
@@ -122,17 +124,25 @@ def _types() -> Typestore:
     return get_typestore(Stores.ROS2_HUMBLE)
 
 
-def _digest(path: Path) -> str:
-    """SHA-256 of a file; of a folder, of the names and digests of its files."""
+def _files(path: Path) -> list[Path]:
+    """The files of a recording, in order of their names; none larger than it may be."""
     if not path.exists():
         raise InputError(f"{path}: this recording does not exist")
-    paths = sorted(one for one in path.iterdir() if one.is_file()) if path.is_dir() else [path]
-    size = sum(one.stat().st_size for one in paths)
-    if size > _MOST_BYTES:
-        raise InputError(f"{path}: larger than the {_MOST_BYTES:,} bytes that a recording may have")
+    files = sorted(one for one in path.iterdir() if one.is_file()) if path.is_dir() else [path]
+    for one in files:
+        # rosbags reads the description with a YAML parser that takes 7 s for a megabyte.
+        most = _MOST_DESCRIPTION if one.name == "metadata.yaml" else _MOST_BYTES
+        if one.stat().st_size > most:
+            raise InputError(f"{one}: larger than the {most:,} bytes that it may have")
+    return files
+
+
+def _digest(path: Path) -> str:
+    """SHA-256 of a file; of a folder, of the digests and names of its files."""
+    files = _files(path)
     if not path.is_dir():
         return sha256_of(path)
-    lines = "".join(f"{sha256_of(one)} {one.name}\n" for one in paths)
+    lines = "".join(f"{sha256_of(one)} {one.name}\n" for one in files)
     return hashlib.sha256(lines.encode()).hexdigest()
 
 

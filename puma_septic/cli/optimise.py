@@ -7,10 +7,7 @@ from argparse import Namespace
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
-from inspect import signature
 from typing import Any
-
-import numpy as np
 
 from puma_septic import profiles as families
 from puma_septic.checks import Array
@@ -92,17 +89,14 @@ def _optimised(resolved: ResolvedTask, arguments: Namespace, progress: Any) -> R
 def _make(task: Task) -> Any:
     """The task's first profile as a function of points and times; without options the function itself."""
     choice = task.profiles[0]
-    profile = getattr(families, choice.name)
-    parameters = signature(profile).parameters
-    if "times" in parameters and not choice.options:
-        return profile
-    if "times" not in parameters and "durations" not in parameters:
+    family = families.family(choice.name)
+    if not family.takes_times(choice.options):
         raise InputError(f"profile {choice.name!r} finds its own times; there are no via times to choose")
+    if not choice.options and "durations" not in family.options:
+        return family.function
 
     def make(points: Array, times: Array, **free: Array) -> Trajectory:
-        timing = {"times": times} if "times" in parameters else {"durations": np.diff(times)}
-        trajectory: Trajectory = profile(points, **timing, **choice.options, **free)
-        return trajectory
+        return families.make(choice.name, points, times, options=choice.options | free)
 
     return make
 

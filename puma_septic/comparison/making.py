@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from inspect import signature
 from typing import Any, Final
 
 import numpy as np
@@ -59,29 +58,14 @@ def make_profiles(
 
 def _make(name: str, robot: Robot, points: Array, times: Array, options: Mapping[str, Any]) -> Trajectory:
     """The profile with what it needs: times or durations, a blend time, limits, unless options say otherwise."""
-    profile = getattr(families, name)
-    parameters = signature(profile).parameters
-    unknown = [key for key in options if key not in parameters or key in ("points", "times", "joint_names")]
-    if unknown:
-        valid = ", ".join(key for key in parameters if key not in ("points", "times", "joint_names"))
-        raise InputError(f"unknown option {unknown[0]!r} of profile {name!r}; valid: {valid or 'none'}")
-    given: dict[str, Any] = {"joint_names": robot.joint_names}
-    if "times" in parameters:
-        given["times"] = times
-    elif "durations" in parameters and "max_velocity" not in options:
-        given["durations"] = np.diff(times)
-    if "blend_time" in parameters and "cruise_velocity" not in options:
+    given: dict[str, Any] = {}
+    if "blend_time" in families.family(name).options and "cruise_velocity" not in options:
         # Blends of half the shortest segment never overlap; on the paper's times, its own 1 s.
         given["blend_time"] = float(np.diff(times).min()) / 2
-    if name == "double_s":
-        limits = robot.limits
-        given |= {
-            "max_velocity": limits.velocity,
-            "max_acceleration": limits.acceleration,
-            "max_jerk": limits.jerk,
-        }
-    trajectory: Trajectory = profile(points, **(given | dict(options)))
-    return trajectory
+    limits = {f"max_{kind}": getattr(robot.limits, kind) for kind in ("velocity", "acceleration", "jerk")}
+    return families.make(
+        name, points, times, limits=limits, options=given | dict(options), joint_names=robot.joint_names
+    )
 
 
 def _is_same(one: Trajectory, other: Trajectory) -> bool:

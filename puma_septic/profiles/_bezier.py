@@ -10,11 +10,22 @@ from numpy.typing import ArrayLike
 
 from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise, matrices
+from puma_septic.profiles._info import BIAGIOTTI, SMOOTH, ProfileInfo
 from puma_septic.profiles._integration import integrated
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["bezier"]
+__all__ = ["BEZIER", "bezier"]
+
+BEZIER = ProfileInfo(
+    name="bezier",
+    continuity="C2",
+    inside=SMOOTH,
+    needs="times (only the first and last count)",
+    at_vias="misses",
+    overshoots=False,
+    source=f"{BIAGIOTTI}, appendix B",
+)
 
 # Measured on 300 curves of up to 24 points: with 4 to 6 coefficients velocity and acceleration at the ends are zero to
 # 3e-14 of their peaks, and no curve leaves the hull of its points.
@@ -37,6 +48,11 @@ def bezier(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | 
     times : array_like, shape (k,)
         Strictly increasing, s; only the first and the last determine the curve.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        One interval, of degree k + 3.
 
     Raises
     ------

@@ -12,10 +12,30 @@ from puma_septic.checks import Array, checked_array
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
 from puma_septic.profiles._asynchronous import Phases, side_by_side
+from puma_septic.profiles._info import BIAGIOTTI, ProfileInfo
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["polynomial_blends", "trapezoidal"]
+__all__ = ["POLYNOMIAL_BLENDS", "TRAPEZOIDAL", "polynomial_blends", "trapezoidal"]
+
+TRAPEZOIDAL = ProfileInfo(
+    name="trapezoidal",
+    continuity="C1",
+    inside="C1",
+    needs="times, blend time or (2 points) cruise velocity",
+    at_vias="misses",
+    overshoots=False,
+    source="Craig, Introduction to Robotics, 7.3",
+)
+POLYNOMIAL_BLENDS = ProfileInfo(
+    name="polynomial_blends",
+    continuity="C2",
+    inside="C2",
+    needs="times, blend time; class by degree",
+    at_vias="misses",
+    overshoots=False,
+    source=f"{BIAGIOTTI}, 3.3",
+)
 
 _DEGREES = (3, 5, 7, 9)
 
@@ -49,6 +69,11 @@ def trapezoidal(
     cruise_velocity : array_like, shape () or (n_joints,), optional
         For two points only: speed of each joint, more than abs(h)/T and at most 2 abs(h)/T, rad/s.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        With breaks where blends begin and end.
 
     Raises
     ------
@@ -100,6 +125,11 @@ def polynomial_blends(
     degree : int
         3, 5, 7 or 9.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        With breaks where blends begin and end.
 
     Raises
     ------

@@ -11,11 +11,31 @@ from numpy.typing import ArrayLike
 from puma_septic.checks import Array
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise, matrices
+from puma_septic.profiles._info import BIAGIOTTI, ProfileInfo
 from puma_septic.profiles._segments import at_ends, solve_segments, through
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["bspline", "bspline_control"]
+__all__ = ["BSPLINE", "BSPLINE_CONTROL", "bspline", "bspline_control"]
+
+BSPLINE = ProfileInfo(
+    name="bspline",
+    continuity="C3",
+    inside="C4",
+    needs="times; degree 5 (C2 with degree 3)",
+    at_vias="passes",
+    overshoots=True,
+    source="Gasparetto and Zanotto 2007",
+)
+BSPLINE_CONTROL = ProfileInfo(
+    name="bspline_control",
+    continuity="C4",
+    inside="C4",
+    needs="times; degree 5 (C2 with degree 3)",
+    at_vias="misses",
+    overshoots=False,
+    source=f"{BIAGIOTTI}, 4.5",
+)
 
 _DEGREES = (3, 5)
 
@@ -44,6 +64,11 @@ def bspline(
     degree : int
         3 or 5.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        With breaks at the knots.
 
     Raises
     ------
@@ -92,6 +117,11 @@ def bspline_control(
     degree : int
         3 or 5.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        With breaks at the knots.
 
     Raises
     ------

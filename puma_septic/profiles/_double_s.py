@@ -11,10 +11,21 @@ from numpy.typing import ArrayLike
 from puma_septic.checks import Array
 from puma_septic.errors import InputError
 from puma_septic.profiles._asynchronous import Phases, side_by_side
+from puma_septic.profiles._info import BIAGIOTTI, ProfileInfo
 from puma_septic.profiles._vias import Vias, boundary, checked_points, joint_labels, named
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["double_s"]
+__all__ = ["DOUBLE_S", "double_s"]
+
+DOUBLE_S = ProfileInfo(
+    name="double_s",
+    continuity="C2",
+    inside="C2",
+    needs="limits of velocity, acceleration and jerk (no times)",
+    at_vias="stops",
+    overshoots=False,
+    source=f"{BIAGIOTTI}, 3.4",
+)
 
 # A duration is met to this part of it.
 _SAME_DURATION = 1e-12
@@ -85,6 +96,11 @@ def double_s(
     start_velocity, end_velocity : array_like, optional
         Shape () or (n_joints,), of the first and last point, rad/s; zero where not given.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        Whose times are those of the stops, from 0; with breaks where a phase of any joint begins.
 
     Raises
     ------

@@ -12,10 +12,30 @@ from numpy.typing import ArrayLike
 from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise
 from puma_septic.piecewise.matrices import from_power_matrix
+from puma_septic.profiles._info import BIAGIOTTI, ProfileInfo
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["classic_septic", "cubic", "from_boundary_values"]
+__all__ = ["CLASSIC_SEPTIC", "CUBIC", "classic_septic", "cubic", "from_boundary_values"]
+
+CUBIC = ProfileInfo(
+    name="cubic",
+    continuity="C1",
+    inside="C1",
+    needs="times, optionally via velocities",
+    at_vias="stops",
+    overshoots=False,
+    source=f"{BIAGIOTTI}, 2.1.3",
+)
+CLASSIC_SEPTIC = ProfileInfo(
+    name="classic_septic",
+    continuity="C3",
+    inside="C3",
+    needs="times, optionally via velocities, accelerations and jerks",
+    at_vias="stops",
+    overshoots=False,
+    source=f"{BIAGIOTTI}, 2.1.5",
+)
 
 
 def cubic(
@@ -41,6 +61,11 @@ def cubic(
     velocities : array_like, shape (k, n_joints), optional
         At the points, rad/s; without them the arm stops at each point.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        With breaks at the points.
 
     Raises
     ------
@@ -80,6 +105,11 @@ def classic_septic(
     velocities, accelerations, jerks : array_like, shape (k, n_joints), optional
         At the points, rad/s, rad/s^2 and rad/s^3; zero where not given.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        With breaks at the points.
 
     Raises
     ------

@@ -8,10 +8,21 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from puma_septic.piecewise import Piecewise
+from puma_septic.profiles._info import BIAGIOTTI, ProfileInfo
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["linear"]
+__all__ = ["LINEAR", "linear"]
+
+LINEAR = ProfileInfo(
+    name="linear",
+    continuity="C0",
+    inside="C0",
+    needs="times",
+    at_vias="passes",
+    overshoots=False,
+    source=f"{BIAGIOTTI}, 2.1.1",
+)
 
 
 def linear(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | None = None) -> Trajectory:
@@ -28,6 +39,11 @@ def linear(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | 
     times : array_like, shape (k,)
         Strictly increasing, s.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        With breaks at the points.
 
     Raises
     ------

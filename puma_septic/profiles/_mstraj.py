@@ -10,17 +10,28 @@ from numpy.typing import ArrayLike
 from puma_septic.checks import Array, checked_array, checked_number
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
+from puma_septic.profiles._info import ProfileInfo
 from puma_septic.profiles._quintic import quintic_powers
 from puma_septic.profiles._vias import Vias, boundary, checked_points
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["lspb"]
+__all__ = ["LSPB", "lspb", "mstraj"]
+
+LSPB = ProfileInfo(
+    name="lspb",
+    continuity="C2",
+    inside="C2",
+    needs="durations or speed limits, blend time",
+    at_vias="misses",
+    overshoots=False,
+    source="Corke, Robotics Toolbox, mstraj",
+)
 
 # Two durations that differ by less than this part are one, to some thousand roundings.
 _SAME_LENGTH = 1e-12
 
 
-def lspb(
+def mstraj(
     points: ArrayLike,
     *,
     durations: ArrayLike | None = None,
@@ -33,7 +44,8 @@ def lspb(
     Segment k runs at ``v_k = (q_k - q_k-1) / T_k``. Around each via, a quintic of length `blend_time` with zero
     acceleration at both ends leads from ``(q_k - v_k tb, v_k)`` to ``(q_k + v_k+1 tb, v_k+1)``, tb = blend_time / 2.
     The first blend, of length tb, leads from rest at q_0 to ``(q_0 + v_1 tb, v_1)``; the last likewise to rest.
-    Nothing is rounded to a time step, as it is in the toolbox (Corke, Robotics Toolbox, ``mstraj``).
+    Nothing is rounded to a time step, as it is in the toolbox (Corke, Robotics Toolbox, ``mstraj``). `lspb`, as the
+    paper calls it, is the same function; linear segments with parabolic blends are `trapezoidal`.
 
     Consequences in closed form: a via is missed by ``3/32 blend_time dv``, the interior blend's acceleration peaks at
     ``1.5 dv / blend_time`` and its jerk steps by ``6 dv / blend_time^2``; the first and last blend overspeed to
@@ -53,6 +65,11 @@ def lspb(
         Length of an interior blend (`tacc` of mstraj), s.
     joint_names : sequence of str, optional
 
+    Returns
+    -------
+    Trajectory
+        From time 0, with breaks where blends begin and end.
+
     Raises
     ------
     InputError
@@ -60,8 +77,8 @@ def lspb(
 
     Examples
     --------
-    >>> import puma_septic as ps
-    >>> move = ps.lspb([[0.0], [1.0]], durations=[2.0], blend_time=0.5)
+    >>> from puma_septic import profiles
+    >>> move = profiles.mstraj([[0.0], [1.0]], durations=[2.0], blend_time=0.5)
     >>> float(move(1.0, order=1)[0])
     0.5
     """
@@ -79,6 +96,10 @@ def lspb(
     times = np.concatenate([[0.0], np.cumsum(lengths)])
     position = _blended(q, times, np.diff(q, axis=0) / lengths[:, None], blend / 2)
     return Vias.of("lspb", q, times, joint_names).trajectory(position)
+
+
+# The name by which the paper, and most who call it, know it.
+lspb = mstraj
 
 
 def _durations(points: Array, durations: ArrayLike | None, max_velocity: ArrayLike | None, blend: float) -> Array:

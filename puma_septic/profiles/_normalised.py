@@ -66,6 +66,10 @@ class NormalisedRow:
 def normalised_table() -> tuple[NormalisedRow, ...]:
     """One row for each law from rest to rest, computed from the profiles themselves.
 
+    Returns
+    -------
+    tuple of NormalisedRow
+
     Examples
     --------
     >>> from puma_septic import profiles

@@ -7,11 +7,31 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from puma_septic.profiles._info import ProfileInfo
 from puma_septic.profiles._segments import at_ends, solve_segments, through
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["poly_353", "poly_434"]
+__all__ = ["POLY_353", "POLY_434", "poly_353", "poly_434"]
+
+POLY_434 = ProfileInfo(
+    name="poly_434",
+    continuity="C2",
+    inside="C2",
+    needs="times, exactly 4 points",
+    at_vias="passes",
+    overshoots=True,
+    source="Fu, Gonzalez and Lee, Robotics, 4.3.1",
+)
+POLY_353 = ProfileInfo(
+    name="poly_353",
+    continuity="C2",
+    inside="C2",
+    needs="times, exactly 4 points",
+    at_vias="passes",
+    overshoots=True,
+    source="Fu, Gonzalez and Lee, Robotics, 4.3.1",
+)
 
 
 def poly_434(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | None = None) -> Trajectory:
@@ -28,6 +48,11 @@ def poly_434(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] 
     times : array_like, shape (4,)
         Strictly increasing, s.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        With breaks at the points.
 
     Raises
     ------
@@ -55,6 +80,11 @@ def poly_353(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] 
     times : array_like, shape (4,)
         Strictly increasing, s.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        With breaks at the points.
 
     Raises
     ------

@@ -9,10 +9,30 @@ from numpy.typing import ArrayLike
 
 from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise
+from puma_septic.profiles._info import BIAGIOTTI, ProfileInfo
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["quintic", "quintic_powers", "quintic_segments"]
+__all__ = ["QUINTIC", "QUINTIC_SEGMENTS", "quintic", "quintic_powers", "quintic_segments"]
+
+QUINTIC = ProfileInfo(
+    name="quintic",
+    continuity="C2",
+    inside="C2",
+    needs="times, optionally via velocities and accelerations",
+    at_vias="stops",
+    overshoots=False,
+    source=f"{BIAGIOTTI}, 2.1.4",
+)
+QUINTIC_SEGMENTS = ProfileInfo(
+    name="quintic_segments",
+    continuity="C2",
+    inside="C2",
+    needs="times; the same motion as quintic",
+    at_vias="stops",
+    overshoots=False,
+    source=f"{BIAGIOTTI}, 2.1.4",
+)
 
 
 def quintic(
@@ -39,6 +59,11 @@ def quintic(
     velocities, accelerations : array_like, shape (k, n_joints), optional
         At the points, rad/s and rad/s^2; zero where not given.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        With breaks at the points.
 
     Raises
     ------
@@ -81,6 +106,11 @@ def quintic_segments(
     velocities, accelerations : array_like, shape (k, n_joints), optional
         At the points, rad/s and rad/s^2.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        With breaks at the points.
 
     Raises
     ------

@@ -1,98 +1,158 @@
-"""Which profiles there are, what they need and what they promise."""
+"""Which profiles there are, and one call for all of them, by what each one's signature takes."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal, final
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from inspect import signature
+from typing import Any, final
 
-__all__ = ["ProfileInfo", "available"]
+import numpy as np
+from numpy.typing import ArrayLike
+
+from puma_septic.checks import checked_choice, checked_times
+from puma_septic.errors import InputError
+from puma_septic.profiles._info import ProfileInfo
+from puma_septic.trajectory import Trajectory
+
+__all__ = ["Family", "Registry"]
+
+# What a profile is given, and what it is told by options.
+_GIVEN = ("points", "times", "joint_names")
 
 
 @final
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ProfileInfo:
-    """One profile family.
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Family:
+    """A profile and what is said of it.
 
     Attributes
     ----------
-    name : str
-        Of the function in `puma_septic.profiles`.
-    continuity : str
-        Class of the whole motion from rest to rest, the rest before and after included: C0 the velocity
-        steps, C1 the acceleration, C2 the jerk, C3 none of them.
-    inside : str
-        Class between start and end.
-    needs : str
-        What it takes beside the points.
-    at_vias : str
-        "passes" them at their times, "stops" there, or "misses" them.
-    overshoots : bool
-        Whether it may leave the hull of the points.
-    source : str
-        Where it comes from.
+    info : ProfileInfo
+    function : callable
     """
 
-    name: str
-    continuity: str
-    inside: str
-    needs: str
-    at_vias: Literal["passes", "stops", "misses"]
-    overshoots: bool
-    source: str
+    info: ProfileInfo
+    function: Callable[..., Trajectory]
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """What it takes beside points, times and joint names."""
+        return tuple(name for name in signature(self.function).parameters if name not in _GIVEN)
+
+    def takes_times(self, options: Mapping[str, Any]) -> bool:
+        """Whether it is made for given times; with a limit of velocity instead, or none of them, it finds its own."""
+        parameters = signature(self.function).parameters
+        return "times" in parameters or ("durations" in parameters and "max_velocity" not in options)
 
 
-_BM = "Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots"
-_PAPER = "Raji, Asaolu and Akano, Joint Space Robot Arm Trajectory Planning Using Septic Function"
-_SMOOTH = "C-infinity"
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Registry:
+    """All profiles.
 
-# In columns: name, continuity, inside, needs, at vias, overshoots, source.
-_ROWS: tuple[tuple[str, str, str, str, Literal["passes", "stops", "misses"], bool, str], ...] = (
-    ("linear", "C0", "C0", "times", "passes", False, f"{_BM}, 2.1.1"),
-    ("bang_bang", "C1", "C1", "times", "stops", False, f"{_BM}, 2.1.2"),
-    ("trapezoidal", "C1", "C1", "times, blend time or (2 points) cruise velocity", "misses", False,
-     "Craig, Introduction to Robotics, 7.3"),
-    ("cubic", "C1", "C1", "times, optionally via velocities", "stops", False, f"{_BM}, 2.1.3"),
-    ("harmonic", "C1", "C1", "times", "stops", False, f"{_BM}, 2.2.1"),
-    ("cubic_spline", "C1", "C2", "times", "passes", True, f"{_BM}, 4.4.1"),
-    ("cubic_spline_free_knots", "C2", "C2", "times, at least 3 points", "passes", True,
-     "Lin, Chang and Luh 1983"),
-    ("cycloidal", "C2", "C2", "times", "stops", False, f"{_BM}, 2.2.2"),
-    ("modified_trapezoidal", "C2", "C2", "times", "stops", False, f"{_BM}, 3.7"),
-    ("modified_sine", "C2", "C2", "times", "stops", False, "Norton, Cam Design and Manufacturing Handbook, 3"),
-    ("double_s", "C2", "C2", "limits of velocity, acceleration and jerk (no times)", "stops", False,
-     f"{_BM}, 3.4"),
-    ("lspb", "C2", "C2", "durations or speed limits, blend time", "misses", False,
-     "Corke, Robotics Toolbox, mstraj"),
-    ("polynomial_blends", "C2", "C2", "times, blend time; class by degree", "misses", False, f"{_BM}, 3.3"),
-    ("poly_434", "C2", "C2", "times, exactly 4 points", "passes", True, "Fu, Gonzalez and Lee, Robotics, 4.3.1"),
-    ("poly_353", "C2", "C2", "times, exactly 4 points", "passes", True, "Fu, Gonzalez and Lee, Robotics, 4.3.1"),
-    ("quintic", "C2", "C2", "times, optionally via velocities and accelerations", "stops", False,
-     f"{_BM}, 2.1.4"),
-    ("quintic_segments", "C2", "C2", "times; the same motion as quintic", "stops", False, f"{_BM}, 2.1.4"),
-    ("quintic_spline", "C2", "C4", "times", "passes", True, "Flash and Hogan 1985"),
-    ("septic", "C2", _SMOOTH, "times, exactly 4 points", "passes", True, _PAPER),
-    ("single_polynomial", "C2", _SMOOTH, "times, up to about 30 points", "passes", True, _PAPER),
-    ("bezier", "C2", _SMOOTH, "times (only the first and last count)", "misses", False, f"{_BM}, appendix B"),
-    ("classic_septic", "C3", "C3", "times, optionally via velocities, accelerations and jerks", "stops", False,
-     f"{_BM}, 2.1.5"),
-    ("trigonometric_spline", "C3", "C3", "times, an angle up to pi", "stops", False, "Simon and Isik 1993"),
-    ("septic_spline", "C3", "C6", "times", "passes", True, "Mellinger and Kumar 2011"),
-    ("bspline", "C3", "C4", "times; degree 5 (C2 with degree 3)", "passes", True, "Gasparetto and Zanotto 2007"),
-    ("bspline_control", "C4", "C4", "times; degree 5 (C2 with degree 3)", "misses", False, f"{_BM}, 4.5"),
-)  # fmt: skip
-
-
-def available() -> tuple[ProfileInfo, ...]:
-    """All profiles, from the least to the most continuous.
-
-    Stated for default arguments; via velocities that are given make a profile pass the vias instead of
-    stopping, and may make it overshoot.
-
-    Examples
-    --------
-    >>> from puma_septic import profiles
-    >>> [info.name for info in profiles.available() if info.at_vias == "passes" and info.continuity == "C3"]
-    ['septic_spline', 'bspline']
+    Attributes
+    ----------
+    families : tuple of Family
+        From the least to the most continuous.
+    aliases : mapping
+        Second names, and the first ones they stand for.
     """
-    names = ("name", "continuity", "inside", "needs", "at_vias", "overshoots", "source")
-    return tuple(ProfileInfo(**dict(zip(names, row, strict=True))) for row in _ROWS)  # type: ignore[arg-type]
+
+    families: tuple[Family, ...]
+    aliases: Mapping[str, str] = field(default_factory=dict)
+
+    def available(self) -> tuple[ProfileInfo, ...]:
+        """All profiles, from the least to the most continuous.
+
+        Stated for default arguments; via velocities that are given make a profile pass the vias instead of
+        stopping, and may make it overshoot.
+
+        Returns
+        -------
+        tuple of ProfileInfo
+
+        Examples
+        --------
+        >>> from puma_septic import profiles
+        >>> [info.name for info in profiles.available() if info.at_vias == "passes" and info.continuity == "C3"]
+        ['septic_spline', 'bspline']
+        """
+        return tuple(family.info for family in self.families)
+
+    def names(self) -> tuple[str, ...]:
+        """Every name that a profile answers to."""
+        return (*(family.info.name for family in self.families), *self.aliases)
+
+    def family(self, name: str) -> Family:
+        """The profile of this name.
+
+        Returns
+        -------
+        Family
+
+        Raises
+        ------
+        InputError
+            For an unknown name; the message lists the valid ones.
+        """
+        first = self.aliases.get(checked_choice("profile", name, self.names()), name)
+        return next(family for family in self.families if family.info.name == first)
+
+    def make(
+        self,
+        name: str,
+        points: ArrayLike,
+        times: ArrayLike,
+        *,
+        limits: Mapping[str, ArrayLike] | None = None,
+        options: Mapping[str, Any] | None = None,
+        joint_names: Sequence[str] | None = None,
+    ) -> Trajectory:
+        """A trajectory of the named profile, which is given what its signature takes.
+
+        Parameters
+        ----------
+        name : str
+        points : array_like, shape (k, n_joints)
+            rad (m for prismatic joints).
+        times : array_like, shape (k,)
+            Strictly increasing, s. A profile that takes durations is given their differences, one that finds its own
+            times is not given them.
+        limits : mapping, optional
+            ``max_velocity``, ``max_acceleration`` and ``max_jerk`` for a profile that finds its own times from them,
+            where `options` do not say otherwise.
+        options : mapping, optional
+            Its further arguments by name.
+        joint_names : sequence of str, optional
+
+        Returns
+        -------
+        Trajectory
+
+        Raises
+        ------
+        InputError
+            For an unknown name or option, and what the profile itself refuses.
+
+        Examples
+        --------
+        >>> from puma_septic import profiles
+        >>> move = profiles.make("lspb", [[0.0], [1.0]], [0.0, 2.0], options={"blend_time": 0.5})
+        >>> float(move.duration)
+        2.0
+        """
+        family, options = self.family(name), dict(options or {})
+        unknown = [key for key in options if key not in family.options]
+        if unknown:
+            valid = ", ".join(family.options) or "none"
+            raise InputError(f"unknown option {unknown[0]!r} of profile {name!r}; valid: {valid}")
+        parameters = signature(family.function).parameters
+        given: dict[str, Any] = {}
+        if "times" in parameters:
+            given["times"] = times
+        elif family.takes_times(options):
+            given["durations"] = np.diff(checked_times("times", times))
+        elif "durations" not in parameters:
+            given |= {key: value for key, value in (limits or {}).items() if key in parameters}
+        return family.function(points, **(given | options), joint_names=joint_names)

@@ -17,11 +17,69 @@ from numpy.typing import ArrayLike
 
 from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise
+from puma_septic.profiles._info import BIAGIOTTI, ProfileInfo
 from puma_septic.profiles._integration import integrated, smooth_series
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["bang_bang", "cycloidal", "harmonic", "modified_sine", "modified_trapezoidal"]
+__all__ = [
+    "BANG_BANG",
+    "CYCLOIDAL",
+    "HARMONIC",
+    "MODIFIED_SINE",
+    "MODIFIED_TRAPEZOIDAL",
+    "bang_bang",
+    "cycloidal",
+    "harmonic",
+    "modified_sine",
+    "modified_trapezoidal",
+]
+
+BANG_BANG = ProfileInfo(
+    name="bang_bang",
+    continuity="C1",
+    inside="C1",
+    needs="times",
+    at_vias="stops",
+    overshoots=False,
+    source=f"{BIAGIOTTI}, 2.1.2",
+)
+HARMONIC = ProfileInfo(
+    name="harmonic",
+    continuity="C1",
+    inside="C1",
+    needs="times",
+    at_vias="stops",
+    overshoots=False,
+    source=f"{BIAGIOTTI}, 2.2.1",
+)
+CYCLOIDAL = ProfileInfo(
+    name="cycloidal",
+    continuity="C2",
+    inside="C2",
+    needs="times",
+    at_vias="stops",
+    overshoots=False,
+    source=f"{BIAGIOTTI}, 2.2.2",
+)
+MODIFIED_TRAPEZOIDAL = ProfileInfo(
+    name="modified_trapezoidal",
+    continuity="C2",
+    inside="C2",
+    needs="times",
+    at_vias="stops",
+    overshoots=False,
+    source=f"{BIAGIOTTI}, 3.7",
+)
+MODIFIED_SINE = ProfileInfo(
+    name="modified_sine",
+    continuity="C2",
+    inside="C2",
+    needs="times",
+    at_vias="stops",
+    overshoots=False,
+    source="Norton, Cam Design and Manufacturing Handbook, 3",
+)
 
 
 def bang_bang(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | None = None) -> Trajectory:
@@ -38,6 +96,11 @@ def bang_bang(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str]
     times : array_like, shape (k,)
         Strictly increasing, s.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        With breaks at the points and between them.
 
     Raises
     ------
@@ -67,6 +130,11 @@ def cycloidal(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str]
         Strictly increasing, s.
     joint_names : sequence of str, optional
 
+    Returns
+    -------
+    Trajectory
+        With breaks at the points.
+
     Raises
     ------
     InputError
@@ -94,6 +162,11 @@ def harmonic(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] 
     times : array_like, shape (k,)
         Strictly increasing, s.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        With breaks at the points.
 
     Raises
     ------
@@ -126,6 +199,11 @@ def modified_trapezoidal(
         Strictly increasing, s.
     joint_names : sequence of str, optional
 
+    Returns
+    -------
+    Trajectory
+        With breaks where the law of a segment changes.
+
     Raises
     ------
     InputError
@@ -154,6 +232,11 @@ def modified_sine(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[
     times : array_like, shape (k,)
         Strictly increasing, s.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        With breaks where the law of a segment changes.
 
     Raises
     ------

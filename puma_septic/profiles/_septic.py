@@ -6,11 +6,22 @@ from collections.abc import Sequence
 
 from numpy.typing import ArrayLike
 
+from puma_septic.profiles._info import PAPER, SMOOTH, ProfileInfo
 from puma_septic.profiles._single_polynomial import through_all
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["septic"]
+__all__ = ["SEPTIC", "septic"]
+
+SEPTIC = ProfileInfo(
+    name="septic",
+    continuity="C2",
+    inside=SMOOTH,
+    needs="times, exactly 4 points",
+    at_vias="passes",
+    overshoots=True,
+    source=PAPER,
+)
 
 
 def septic(

@@ -11,11 +11,22 @@ from numpy.typing import ArrayLike
 from puma_septic.checks import Array, read_only
 from puma_septic.piecewise import Piecewise
 from puma_septic.piecewise.matrices import end_derivatives, signs
+from puma_septic.profiles._info import PAPER, SMOOTH, ProfileInfo
 from puma_septic.profiles._segments import ALLOWED_DOUBT, ill_conditioned, refined
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["single_polynomial", "through_all"]
+__all__ = ["SINGLE_POLYNOMIAL", "single_polynomial", "through_all"]
+
+SINGLE_POLYNOMIAL = ProfileInfo(
+    name="single_polynomial",
+    continuity="C2",
+    inside=SMOOTH,
+    needs="times, up to about 30 points",
+    at_vias="passes",
+    overshoots=True,
+    source=PAPER,
+)
 
 
 def single_polynomial(

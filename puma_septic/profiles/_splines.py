@@ -9,11 +9,58 @@ from numpy.typing import ArrayLike
 
 from puma_septic.checks import Array, checked_array
 from puma_septic.errors import InputError
+from puma_septic.profiles._info import BIAGIOTTI, ProfileInfo
 from puma_septic.profiles._segments import at_ends, solve_segments, through
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["cubic_spline", "cubic_spline_free_knots", "quintic_spline", "septic_spline"]
+__all__ = [
+    "CUBIC_SPLINE",
+    "CUBIC_SPLINE_FREE_KNOTS",
+    "QUINTIC_SPLINE",
+    "SEPTIC_SPLINE",
+    "cubic_spline",
+    "cubic_spline_free_knots",
+    "quintic_spline",
+    "septic_spline",
+]
+
+CUBIC_SPLINE = ProfileInfo(
+    name="cubic_spline",
+    continuity="C1",
+    inside="C2",
+    needs="times",
+    at_vias="passes",
+    overshoots=True,
+    source=f"{BIAGIOTTI}, 4.4.1",
+)
+CUBIC_SPLINE_FREE_KNOTS = ProfileInfo(
+    name="cubic_spline_free_knots",
+    continuity="C2",
+    inside="C2",
+    needs="times, at least 3 points",
+    at_vias="passes",
+    overshoots=True,
+    source="Lin, Chang and Luh 1983",
+)
+QUINTIC_SPLINE = ProfileInfo(
+    name="quintic_spline",
+    continuity="C2",
+    inside="C4",
+    needs="times",
+    at_vias="passes",
+    overshoots=True,
+    source="Flash and Hogan 1985",
+)
+SEPTIC_SPLINE = ProfileInfo(
+    name="septic_spline",
+    continuity="C3",
+    inside="C6",
+    needs="times",
+    at_vias="passes",
+    overshoots=True,
+    source="Mellinger and Kumar 2011",
+)
 
 
 def cubic_spline(
@@ -40,6 +87,11 @@ def cubic_spline(
     start_velocity, end_velocity : array_like, optional
         Shape () or (n_joints,), rad/s; zero where not given.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        With breaks at the points.
 
     Raises
     ------
@@ -88,6 +140,11 @@ def cubic_spline_free_knots(
         One time strictly inside the first and one strictly inside the last segment, s; their middles where
         not given.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        With breaks at the points and the free knots.
 
     Raises
     ------
@@ -140,6 +197,11 @@ def quintic_spline(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence
         Strictly increasing, s.
     joint_names : sequence of str, optional
 
+    Returns
+    -------
+    Trajectory
+        With breaks at the points.
+
     Raises
     ------
     InputError
@@ -170,6 +232,11 @@ def septic_spline(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[
     times : array_like, shape (k,)
         Strictly increasing, s.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        With breaks at the points.
 
     Raises
     ------

@@ -12,10 +12,21 @@ from puma_septic.checks import Array, checked_number
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
 from puma_septic.profiles._hermite import from_boundary_values
+from puma_septic.profiles._info import ProfileInfo
 from puma_septic.profiles._integration import integrated, smooth_series
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["trigonometric_spline"]
+__all__ = ["TRIGONOMETRIC_SPLINE", "trigonometric_spline"]
+
+TRIGONOMETRIC_SPLINE = ProfileInfo(
+    name="trigonometric_spline",
+    continuity="C3",
+    inside="C3",
+    needs="times, an angle up to pi",
+    at_vias="stops",
+    overshoots=False,
+    source="Simon and Isik 1993",
+)
 
 
 def trigonometric_spline(
@@ -53,6 +64,11 @@ def trigonometric_spline(
     velocities, accelerations, jerks : array_like, shape (k, n_joints), optional
         At the points, rad/s, rad/s^2 and rad/s^3; zero where not given.
     joint_names : sequence of str, optional
+
+    Returns
+    -------
+    Trajectory
+        With breaks at the points.
 
     Raises
     ------

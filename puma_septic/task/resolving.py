@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from inspect import signature
-from typing import Any, final
+from typing import final
 
 import numpy as np
 
+from puma_septic import profiles
 from puma_septic.assessment import Assessment, assess
 from puma_septic.checks import Array, checked_array, checked_choice, read_only
 from puma_septic.errors import InputError, ModelError, NoSolution
 from puma_septic.kinematics import forward_kinematics, inverse_kinematics
 from puma_septic.robot import Payload, Robot, Wrench, load_robot
 from puma_septic.task.branches import Branch, Posed, Waypoint, best_branch, branches_through
-from puma_septic.task.schema import Point, ProfileChoice, Task, profile_functions
+from puma_septic.task.schema import Point, Task
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["ResolvedTask", "assess_task", "resolve_task", "solve_points"]
@@ -105,7 +105,7 @@ def resolve_task(task: Task) -> ResolvedTask:
     trajectories = []
     for k, choice in enumerate(task.profiles):
         with _named(task, f"profiles[{k}] ({choice.name})"):
-            made = _trajectory(choice, branch, times, robot.joint_names)
+            made = profiles.make(choice.name, branch.q, times, options=choice.options, joint_names=robot.joint_names)
             before, after = made.rest_before and task.rest_before, made.rest_after and task.rest_after
             trajectories.append(replace(made, rest_before=before, rest_after=after))
     return ResolvedTask(
@@ -198,18 +198,6 @@ def _waypoint(robot: Robot, frame: Array, task: Task, k: int) -> Waypoint:
     T_world_tool = frame @ _pose(point)
     with _named(task, label):
         return Posed(T_world_tool=T_world_tool, solutions=inverse_kinematics(robot, T_world_tool))
-
-
-def _trajectory(choice: ProfileChoice, branch: Branch, times: Array, joint_names: tuple[str, ...]) -> Trajectory:
-    """The profile through the points; it is given times or durations, whichever it takes."""
-    profile = profile_functions()[choice.name]
-    accepted = signature(profile).parameters
-    timing: dict[str, Any] = {}
-    if "times" in accepted:
-        timing = {"times": times}
-    elif "durations" in accepted and "max_velocity" not in choice.options:  # a speed limit sets its own
-        timing = {"durations": np.diff(times)}
-    return profile(branch.q, **timing, **choice.options, joint_names=joint_names)
 
 
 @contextmanager

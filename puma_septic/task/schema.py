@@ -27,7 +27,7 @@ from pydantic_core import PydanticCustomError
 from puma_septic import profiles
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["Point", "ProfileChoice", "Task", "profile_functions", "shortened"]
+__all__ = ["Point", "ProfileChoice", "Task", "shortened"]
 
 # A quaternion typed with four digits passes and is then normalised; one further off is a mistake.
 _UNIT_NORM: Final = 1e-3
@@ -36,12 +36,6 @@ _FROM_TASK: Final = ("points", "times", "durations", "joint_names")
 # Marks in an error's location that a union leaves there and that are no keys of the file.
 NUMBER, LIST = "<number>", "<list>"
 OWN_WORDS: Final = "task"
-
-
-def profile_functions() -> dict[str, Callable[..., Trajectory]]:
-    """Every profile by name: the functions of `puma_septic.profiles` that lead through points."""
-    functions = {name: getattr(profiles, name) for name in profiles.__all__}
-    return {name: f for name, f in functions.items() if callable(f) and "points" in signature(f).parameters}
 
 
 def shortened(value: object) -> str:
@@ -172,12 +166,11 @@ class ProfileChoice(Section):
             data = {"name": data} if isinstance(data, str) else data.model_dump()
         if not isinstance(data, dict) or not isinstance(data.get("name"), str):
             raise _fault(f"expected a profile's name, or a mapping with the key name; got {shortened(data)}")
-        functions = profile_functions()
         name = data["name"]
-        if name not in functions:
-            raise _fault(f"unknown profile {name!r}; valid: {', '.join(functions)}")
+        if name not in profiles.names():
+            raise _fault(f"unknown profile {name!r}; valid: {', '.join(sorted(profiles.names()))}")
         options = {key: value for key, value in data.items() if key != "name"}
-        _check_options(name, options, functions[name])
+        _check_options(name, options, profiles.family(name).function)
         return {"name": name, "options": options}
 
     @model_serializer

@@ -25,6 +25,11 @@ settings.register_profile("explore", deadline=None, print_blob=True)
 settings.load_profile("repeatable")
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """The switch that takes what is written today for right."""
+    parser.addoption("--update-golden", action="store_true", help="rewrite the files that tests/golden compares with")
+
+
 @pytest.fixture(scope="session")
 def puma() -> ps.Robot:
     """The PUMA 560 as `load_robot()` gives it; immutable, so one is enough."""

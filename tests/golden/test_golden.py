@@ -1,0 +1,91 @@
+"""What the package writes is what it wrote: texts to the letter, numbers to 1e-9.
+
+A change that is meant is made visible by ``python -m pytest tests/golden -m "slow or not slow" --update-golden``, which
+rewrites the files: read their difference before you commit it.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from cases import CASES, ROBOTS
+
+import puma_septic as ps
+
+_FILES = Path(__file__).parent / "files"
+# Two builds of the linear algebra differ by some thousand roundings; below the floor is what rounding makes of zero.
+_RELATIVE, _FLOOR = 1e-9, 1e-12
+_NUMBER = re.compile(r"-?\d+\.?\d*(?:e[+-]?\d+)?")
+# The quick tier has a task in every form; the others differ from it by robot and points.
+_QUICK = ("joints.txt", "joints.json", "joints.csv", "joints.html", "joints.robot.html", "paper.sizing.txt")
+
+
+@pytest.mark.parametrize("name", [
+    pytest.param(name, marks=[] if name in _QUICK else pytest.mark.slow) for name in CASES
+])  # fmt: skip
+def test_what_is_written(name: str, request: pytest.FixtureRequest) -> None:
+    written = _portable(CASES[name]())
+    path = _FILES / name
+    if request.config.getoption("--update-golden"):
+        if not path.exists() or not _is_same(name, written, path.read_text(encoding="utf-8")):
+            path.write_text(written, encoding="utf-8")
+        return
+    golden = path.read_text(encoding="utf-8")
+    _compare_files(name, written, golden)
+
+
+def test_each_file_is_of_a_case() -> None:
+    assert {path.name for path in _FILES.iterdir()} == set(CASES)
+
+
+def _portable(text: str) -> str:
+    """Without the version and the folder of the other arms, which are this machine's."""
+    return text.replace(str(ROBOTS), "ROBOTS").replace(f"puma-septic {ps.__version__}", "puma-septic VERSION")
+
+
+def _structure(text: str) -> str:
+    """What stands between numbers, a sign for each."""
+    return _NUMBER.sub("#", text)
+
+
+def _numbers(text: str) -> list[float]:
+    return [float(number) for number in _NUMBER.findall(text)]
+
+
+def _is_same(name: str, written: str, golden: str) -> bool:
+    """Whether nothing but rounding has changed, for which no file is rewritten."""
+    try:
+        _compare_files(name, written, golden)
+    except AssertionError:
+        return False
+    return True
+
+
+def _compare_files(name: str, written: str, golden: str) -> None:
+    if name.endswith(".json"):
+        _compare(json.loads(written), json.loads(golden), name)
+    elif name.endswith(".txt"):
+        assert written == golden
+    else:
+        assert _structure(written) == _structure(golden)
+        assert _numbers(written) == pytest.approx(_numbers(golden), rel=_RELATIVE, abs=_FLOOR)
+
+
+def _compare(written: Any, golden: Any, where: str) -> None:
+    """Keys, lengths and texts exactly, numbers to rounding; the message names the place."""
+    if isinstance(golden, dict):
+        assert list(written) == list(golden), where
+        for key, value in golden.items():
+            _compare(written[key], value, f"{where} {key}")
+    elif isinstance(golden, list):
+        assert len(written) == len(golden), where
+        for k, value in enumerate(golden):
+            _compare(written[k], value, f"{where}[{k}]")
+    elif isinstance(golden, float) and isinstance(written, float):
+        assert written == pytest.approx(golden, rel=_RELATIVE, abs=_FLOOR), where
+    else:
+        assert written == golden, where

@@ -14,7 +14,7 @@ import bench_processes
 import bench_profiles
 import bench_sizing
 
-from puma_septic.tables import text_table
+from puma_septic.views.tables import text_table
 
 for benchmark in (bench_assessment, bench_processes, bench_ik, bench_profiles, bench_sizing):
     headers, *rows = benchmark.run()

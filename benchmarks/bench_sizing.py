@@ -10,8 +10,8 @@ from time import perf_counter
 import numpy as np
 
 import puma_septic as ps
+from puma_septic.limit_check import LimitCheck
 from puma_septic.sizing.checks import assess_joint
-from puma_septic.sizing.outcome import SizingCheck
 
 MOTORS, GEARBOXES, KEEP = 500, 200, 3
 # Pairs per joint that are assessed in full for comparison.
@@ -114,7 +114,7 @@ def _gearbox(name: str, light: float, strong: float, slow: float, size: float) -
 def in_full(load: ps.sizing.JointLoad, train: ps.Drivetrain) -> bool:
     """Whether a pair is strong enough, by the code that sizes any drive train."""
     demands = ps.sizing.Demands(load=load, train=train, motor=ps.sizing.motor_load(load, train))
-    checks = [outcome for outcome in assess_joint(demands) if isinstance(outcome, SizingCheck)]
+    checks = [outcome for outcome in assess_joint(demands) if isinstance(outcome, LimitCheck)]
     return not any(check.is_violated for check in checks if check.kind != "rule of thumb")
 
 

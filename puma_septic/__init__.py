@@ -9,7 +9,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Final
 
-__version__ = "0.1.0"
+from puma_septic._version import __version__
 
 # A public name has one line here, for the interpreter, and one below, for the type checker.
 _HOMES: Final = {

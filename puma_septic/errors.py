@@ -5,8 +5,7 @@ A violated limit is not among them: it is the answer of an assessment.
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from typing import Any
 
 __all__ = ["InputError", "ModelError", "NoSolution", "PumaSepticError"]
 
@@ -34,7 +33,7 @@ class NoSolution(PumaSepticError):
         The best attempt.
     """
 
-    def __init__(self, message: str, *, residual: float, q: NDArray[np.float64]) -> None:
+    def __init__(self, message: str, *, residual: float, q: Any) -> None:
         super().__init__(message)
         self.residual = residual
         self.q = q

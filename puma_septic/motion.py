@@ -8,10 +8,11 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.checks import Array
+from puma_septic.checks import Array, checked_choice
 from puma_septic.dynamics import TorqueTerms, check_inertia, coulomb_torque, smooth_terms, smooth_torque
 from puma_septic.errors import InputError, PumaSepticError
 from puma_septic.piecewise import Piecewise
+from puma_septic.quantities import QUANTITIES
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 
@@ -53,6 +54,21 @@ class Motion:
     def power(self) -> Piecewise:
         """Mechanical joint power ``torque * velocity`` in W, positive where the actuator drives."""
         return self.torque * self.trajectory.derivative(1)
+
+    def signal(self, quantity: str) -> Piecewise:
+        """A quantity as a function of time: "position", "velocity", "acceleration", "jerk" or "effort".
+
+        Returns
+        -------
+        Piecewise
+
+        Raises
+        ------
+        InputError
+            For an unknown quantity.
+        """
+        row = QUANTITIES[checked_choice("quantity", quantity, QUANTITIES)]
+        return self.trajectory.derivative(row.order) if row.signal == "position" else self.torque
 
     @property
     def torque_terms(self) -> TorqueTerms[Piecewise]:

@@ -6,20 +6,18 @@ Both are fixtures of the same names where pytest runs, through the package's plu
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import isfinite
 from os import PathLike
 
 from numpy.typing import ArrayLike
 
 from puma_septic.assessment import Assessment, LimitCheck
-from puma_septic.assessment.checks import QUANTITIES
-from puma_septic.checks import checked_choice, checked_number
+from puma_septic.checks import checked_choice
 from puma_septic.errors import InputError
 from puma_septic.gate import START_TOLERANCE, check_trajectory
-from puma_septic.limit_check import AT_LIMIT
+from puma_septic.quantities import QUANTITIES
 from puma_septic.robot import Robot
 from puma_septic.ros import read_joint_trajectories
-from puma_septic.tables import Cell, number, text_table
+from puma_septic.views.checks import unmet_text
 
 __all__ = ["assert_feasible", "assert_trajectory_ok"]
 
@@ -57,11 +55,10 @@ def assert_feasible(
     >>> assert_feasible(ps.assess(ps.load_robot(), move), margin=0.2)
     """
     __tracebackhide__ = True  # pytest then points at the caller's line
-    least = checked_number("margin", margin, at_least=0.0, at_most=1.0)
     ignored = _ignored(assessment, ignore)
-    failed = [check for check in assessment.checks if not _is_kept(check, least) and ignored.isdisjoint(_names(check))]
+    failed = [check for check in assessment.keeps(margin) if ignored.isdisjoint(_names(check))]
     if failed:
-        raise AssertionError(_message(assessment, failed, least))
+        raise AssertionError(unmet_text(failed, assessment.not_assessed, margin))
 
 
 def assert_trajectory_ok(
@@ -132,28 +129,3 @@ def _ignored(assessment: Assessment, ignore: Iterable[str | tuple[str, str]]) ->
             checked_choice("joint in ignore", joint, joints)
             checked_choice("quantity in ignore", quantity, QUANTITIES)
     return names
-
-
-def _is_kept(check: LimitCheck, margin: float) -> bool:
-    if check.quantity == "position":
-        return not check.is_violated
-    return check.margin >= margin - AT_LIMIT
-
-
-def _message(assessment: Assessment, failed: list[LimitCheck], margin: float) -> str:
-    spare = f" with {100 * margin:g} % to spare" if margin else ""
-    subject = "1 limit is" if len(failed) == 1 else f"{len(failed)} limits are"
-    headers = ["joint", "quantity", "demand", "limit", "unit", "t [s]", "margin"]
-    rows: list[list[Cell]] = [
-        [check.joint, check.quantity, check.demand, check.limit, check.unit, check.time, _margin(check)]
-        for check in failed
-    ]
-    lines = [f"{subject} not kept{spare}:", text_table(headers, rows)]
-    lines += [f"not assessed: {line}" for line in assessment.not_assessed]
-    return "\n".join(lines)
-
-
-def _margin(check: LimitCheck) -> str:
-    if check.quantity == "position":
-        return f"{number(check.margin)} {check.unit}"
-    return f"{100 * check.margin:.1f} %" if isfinite(check.margin) else "none"

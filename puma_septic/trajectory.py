@@ -14,10 +14,10 @@ from puma_septic.errors import InputError
 from puma_septic.piecewise import Extrema, Jumps, Piecewise
 from puma_septic.piecewise.directions import find_directions
 from puma_septic.piecewise.matrices import end_derivatives
+from puma_septic.quantities import MOTION
 
 __all__ = ["Trajectory"]
 
-ORDERS = ("position", "velocity", "acceleration", "jerk")
 _ORDERS = np.arange(4.0)[:, None, None]
 # A step below this part of the largest value of its kind is none: of position, velocity, acceleration and jerk. The
 # acceleration of a series that was fitted to 1e-11 has lost four digits, and its steps make the jerk infinite.
@@ -164,7 +164,7 @@ class Trajectory:
     def _part(self, order: int) -> slice:
         """Where `state` holds the derivative of this order."""
         if order not in (0, 1, 2, 3):
-            valid = ", ".join(f"{k} ({name})" for k, name in enumerate(ORDERS))
+            valid = ", ".join(f"{k} ({name})" for k, name in enumerate(MOTION))
             raise InputError(f"order = {order!r} is not one of {valid}")
         return slice(order * self.n_joints, (order + 1) * self.n_joints)
 

@@ -7,15 +7,14 @@ import pytest
 
 import puma_septic as ps
 from puma_septic.assessment.checks import limit_checks
-from puma_septic.limit_check import AT_LIMIT
-from puma_septic.sizing.outcome import SizingCheck
+from puma_septic.limit_check import AT_LIMIT, LimitCheck
 from puma_septic.testing import assert_feasible
 
 HOME = [0.3, -0.5, 0.2, 0.1, 0.4, -0.3]
 
 
 def sized(demand: float) -> bool:
-    check = SizingCheck(
+    check = LimitCheck.of_magnitude(
         joint="joint1",
         quantity="motor torque",
         demand=demand,

@@ -22,11 +22,12 @@ from puma_septic.assessment import Assessment
 from puma_septic.errors import ModelError
 from puma_septic.piecewise import Piecewise, sampled
 from puma_septic.report import page
+from puma_septic.report.cases import reason
 from puma_septic.report.charts import BOX, Curve, Mark, chart, ticks
 from puma_septic.report.groups import groups_of, svg_figures
 from puma_septic.report.panels import motion_charts, samples_of, split_charts, utilisation_bars
-from puma_septic.report.verdicts import reason, verdict_sentence
 from puma_septic.task import ResolvedTask, assess_task, load_task, make_task, resolve_task
+from puma_septic.views import profiles
 
 HOSTILE = "<script>alert(1)</script>"
 LEFT, RIGHT, TOP, BOTTOM = BOX
@@ -128,10 +129,10 @@ def test_a_report_of_a_motion_has_the_inputs_of_its_profile(puma: ps.Robot) -> N
 
 def test_verdicts_of_several_profiles(puma: ps.Robot) -> None:
     good, bad = ps.assess(puma, move()), ps.assess(puma.with_limits(velocity=0.1), move())
-    assert verdict_sentence([good, good], ["a", "b"]).startswith(
+    assert profiles.sentence([good.to_dict()] * 2, ["a", "b"]).startswith(
         "All 2 profiles keep every known limit; what governs is"
     )
-    mixed = verdict_sentence([good, bad], ["a", "b"])
+    mixed = profiles.sentence([good.to_dict(), bad.to_dict()], ["a", "b"])
     assert mixed == (
         "a keeps every known limit, b not; what governs is joint1: velocity 0.4688 rad/s at 1 s, 469 % of its limit"
         " 0.1 rad/s (b)."
@@ -142,13 +143,15 @@ def test_verdict_without_a_known_limit(tmp_path: Path) -> None:
     robot = load(tmp_path, ARM).with_limits(
         position=np.full((2, 2), np.nan), velocity=np.nan, effort=np.nan, acceleration=np.nan, jerk=np.nan
     )
-    sentence = verdict_sentence([ps.assess(robot, move(2))], ["quintic"])
+    sentence = profiles.sentence([ps.assess(robot, move(2)).to_dict()], ["quintic"])
     assert sentence == "quintic keeps every known limit; no limit of this robot is known."
 
 
 def test_an_unbounded_demand_governs(puma: ps.Robot) -> None:
     straight = ps.profiles.linear([[0.0] * 6, [0.5] * 6], [0.0, 2.0])
-    assert "joint1: acceleration unbounded at 0 s" in verdict_sentence([ps.assess(puma, straight)], ["linear"])
+    assert "joint1: acceleration unbounded at 0 s" in profiles.sentence(
+        [ps.assess(puma, straight).to_dict()], ["linear"]
+    )
 
 
 def test_no_reason_where_a_branch_fits() -> None:

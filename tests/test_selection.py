@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 import puma_septic as ps
 from puma_septic.drives import Pair
+from puma_septic.limit_check import LimitCheck
 from puma_septic.sizing.bounds import utilisation_bounds
 from puma_septic.sizing.grids import load_grid
-from puma_septic.sizing.outcome import SizingCheck
 from puma_septic.sizing.pairs import pair_table
 from puma_septic.sizing.selection import RANKS, select_joint
 
@@ -114,11 +114,11 @@ def catalogues(draw: st.DrawFn) -> ps.Catalogue:
     )
 
 
-def in_full(one: ps.sizing.JointLoad, train: ps.Drivetrain) -> list[SizingCheck]:
+def in_full(one: ps.sizing.JointLoad, train: ps.Drivetrain) -> list[LimitCheck]:
     """The checks that can reject, by the code that sizes any drive train."""
     demands = ps.sizing.Demands(load=one, train=train, motor=ps.sizing.motor_load(one, train))
     outcomes = ps.sizing.checks.assess_joint(demands)
-    return [o for o in outcomes if isinstance(o, SizingCheck) and o.kind != "rule of thumb"]
+    return [o for o in outcomes if isinstance(o, LimitCheck) and o.kind != "rule of thumb"]
 
 
 @settings(max_examples=15, deadline=None)

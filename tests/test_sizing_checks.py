@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import puma_septic as ps
+from puma_septic.limit_check import LimitCheck
 from puma_septic.piecewise import Piecewise
-from puma_septic.sizing.checks import assess_joint
-from puma_septic.sizing.outcome import NotAssessed
+from puma_septic.sizing.checks import NotAssessed, assess_joint
 
 # One second each of a = 2 rad/s^2, of v = 2 rad/s, of a = -2 rad/s^2, and of rest. The load moves 3 kg m^2 against
 # 4 N m (10, 4, -2, 0 N m at the joint), so the motor drives, drives, brakes and rests. Ratio 10, forward 0.8, backward
@@ -82,7 +82,7 @@ def demands_of(
     return ps.sizing.Demands(load=joint, train=assembled, motor=ps.sizing.motor_load(joint, assembled))
 
 
-def outcome(quantity: str, demands: ps.sizing.Demands) -> ps.sizing.SizingCheck | NotAssessed:
+def outcome(quantity: str, demands: ps.sizing.Demands) -> LimitCheck | NotAssessed:
     (found,) = [each for each in assess_joint(demands) if each.quantity == quantity]
     return found
 
@@ -144,7 +144,7 @@ def test_each_check_fails_above_its_limit_and_passes_below(
 ) -> None:
     tight, loose = (outcome(quantity, demands_of(**limit(demand * part))) for part in (0.8, 1.25))  # type: ignore[operator]
     for check, part in ((tight, 0.8), (loose, 1.25)):
-        assert isinstance(check, ps.sizing.SizingCheck)
+        assert isinstance(check, LimitCheck)
         assert (check.joint, check.unit, check.kind) == ("elbow", unit, kind)
         assert check.demand == pytest.approx(demand, rel=EXACT)
         assert check.limit == pytest.approx(demand * part, rel=EXACT)

@@ -16,10 +16,10 @@ from scipy.linalg import expm
 import puma_septic as ps
 from puma_septic.cli import main
 from puma_septic.errors import NoSolution, PumaSepticError
+from puma_septic.limit_check import LimitCheck, most_used_first
 from puma_septic.piecewise import Piecewise
 from puma_septic.sizing.electrical import regeneration
 from puma_septic.sizing.gearbox import expected_life
-from puma_septic.sizing.outcome import most_used_first
 from puma_septic.sizing.selection import select_joint
 from puma_septic.sizing.thermal import steady_cycle, thermal_equation
 
@@ -164,14 +164,17 @@ def test_a_ratio_without_bound_is_told_so() -> None:
 
 def test_of_two_limits_that_are_used_alike_the_first_is_named() -> None:
     """A peak torque and a curve that begins at it are used alike but for the last digit, which once chose the words."""
-    one = ps.sizing.SizingCheck(
-        joint="elbow", quantity="motor torque", demand=1.0, limit=3.0, unit="N m", time=0.0, kind="physics", source="x"
-    )
-    other = replace(one, quantity="motor torque at speed", demand=1.0 + 1e-15)
+
+    def used(quantity: str, demand: float) -> LimitCheck:
+        return LimitCheck.of_magnitude(
+            joint="elbow", quantity=quantity, demand=demand, limit=3.0, unit="N m", time=0.0, kind="physics"
+        )
+
+    one, other = used("motor torque", 1.0), used("motor torque at speed", 1.0 + 1e-15)
     assert other.utilisation > one.utilisation
     assert [c.quantity for c in most_used_first([one, other])] == ["motor torque", "motor torque at speed"]
-    assert most_used_first([one, replace(other, demand=1.1)])[0].demand == 1.1
-    assert most_used_first([one, replace(other, demand=np.inf)])[0].utilisation == np.inf
+    assert most_used_first([one, used("motor torque at speed", 1.1)])[0].demand == 1.1
+    assert most_used_first([one, used("motor torque at speed", np.inf)])[0].utilisation == np.inf
 
 
 NUMBERS = ("rms_torque", "mean_speed", "rms_current", "average_load_torque", "expected_life_hours")

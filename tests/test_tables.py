@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from puma_septic.errors import InputError
-from puma_septic.tables import html_table, number, text_table
+from puma_septic.views.tables import html_table, number, text_table
 
 
 @pytest.mark.parametrize(

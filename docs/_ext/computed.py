@@ -11,7 +11,7 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from puma_septic import paper, profiles
-from puma_septic.tables import number
+from puma_septic.views.tables import number
 
 
 class Run(SphinxDirective):

@@ -8,21 +8,36 @@ from typing import Any, final
 
 import numpy as np
 
-from puma_septic.assessment.checks import QUANTITIES, LimitCheck, limit_checks, unknown_values
+from puma_septic.assessment.checks import limit_checks, unknown_values
 from puma_septic.assessment.joints import PowerMetrics, holding_torque, joint_metrics, power_metrics
-from puma_septic.assessment.texts import assessment_document, assessment_html, assessment_text
 from puma_septic.assessment.tool import ToolMetrics, tool_metrics
-from puma_septic.checks import Array, checked_number, read_only
+from puma_septic.checks import Array, checked_choice, checked_number, read_only
+from puma_septic.document import SCHEMAS, plain
 from puma_septic.errors import InputError
+from puma_septic.limit_check import LimitCheck
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.piecewise import Extrema
+from puma_septic.quantities import MAGNITUDES, QUANTITIES
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
+from puma_septic.views import assessment as view
+from puma_septic.views.checks import verdict
 
 __all__ = ["Assessment", "assess"]
 
 # A torque below this part of the arm's largest is rounding, and is told as 0.
 _NO_TORQUE = 1e-12
+# What a document has of each joint, of the tool and of each kind of singular posture, as its attributes are called.
+_PER_JOINT = (
+    "peak_velocity", "peak_velocity_time", "peak_acceleration", "peak_acceleration_time", "peak_jerk", "peak_jerk_time",
+    "peak_torque", "peak_torque_time", "peak_torque_sign", "rms_velocity", "rms_acceleration", "rms_jerk", "rms_torque",
+    "holding_torque", "least_holding_torque", "peak_power", "peak_regenerated_power", "energy_in", "energy_out",
+    "overshoot",
+)  # fmt: skip
+_TOOL = (
+    "peak_speed", "peak_speed_time", "peak_acceleration", "peak_acceleration_time", "height_range", "height_times",
+)  # fmt: skip
+_SINGULARITY = ("kind", "least_distance", "time", "crossings")
 
 
 @final
@@ -125,13 +140,47 @@ class Assessment:
     @cached_property
     def checks(self) -> tuple[LimitCheck, ...]:
         """Every known limit held against its demand, joint by joint, and every demand that no arm can meet."""
-        demands = {
-            "velocity": (self.peak_velocity, self.peak_velocity_time),
-            "acceleration": (self.peak_acceleration, self.peak_acceleration_time),
-            "jerk": (self.peak_jerk, self.peak_jerk_time),
-            "effort": (self.peak_torque, self.peak_torque_time),
-        }
+        demands = {name: self.peak(name) for name in MAGNITUDES}
         return limit_checks(self.motion.robot, self.position, demands)
+
+    def peak(self, quantity: str) -> tuple[Array, Array]:
+        """Largest magnitude of a quantity and its instant in s, each of shape (n_joints,): "velocity", "effort" ...
+
+        Returns
+        -------
+        tuple of ndarray
+
+        Raises
+        ------
+        InputError
+            For an unknown quantity; a position has bounds on both sides, see `position`.
+        """
+        name = QUANTITIES[checked_choice("quantity", quantity, MAGNITUDES)].attribute
+        return getattr(self, f"peak_{name}"), getattr(self, f"peak_{name}_time")
+
+    def keeps(self, margin: float = 0.0) -> tuple[LimitCheck, ...]:
+        """What does not keep its limit with so much to spare: empty where all is kept.
+
+        Velocity, acceleration, jerk and effort must stay below ``(1 - margin) * limit``; a position must stay within
+        its bounds, whatever the margin.
+
+        Parameters
+        ----------
+        margin : float
+            Share of each limit that must be left, from 0 to 1.
+
+        Returns
+        -------
+        tuple of LimitCheck
+            Joint by joint.
+
+        Raises
+        ------
+        InputError
+            For a margin outside [0, 1].
+        """
+        least = checked_number("margin", margin, at_least=0.0, at_most=1.0)
+        return tuple(check for check in self.checks if not check.keeps(least))
 
     @property
     def violations(self) -> tuple[LimitCheck, ...]:
@@ -143,6 +192,11 @@ class Assessment:
     def worst(self) -> LimitCheck | None:
         """The governing limit: the one used most, broken or not; None where no limit is known at all."""
         return max(self.checks, key=lambda check: check.utilisation, default=None)
+
+    @property
+    def verdict(self) -> str:
+        """One sentence: feasible or not, and the limit that governs."""
+        return verdict(("feasible", "infeasible"), self.violations, self.worst)
 
     @property
     def is_feasible(self) -> bool:
@@ -173,13 +227,45 @@ class Assessment:
 
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready document; numbers in SI units, "unbounded" for infinity, null for what is not known."""
-        return assessment_document(self)
+        robot, trajectory = self.motion.robot, self.motion.trajectory
+        return {
+            "schema": SCHEMAS["assessment"],
+            "robot": robot.name,
+            "tool_frame": robot.tool,
+            "profile": trajectory.profile,
+            "duration": trajectory.duration,
+            "dwell": self.dwell,
+            "verdict": self.verdict,
+            "is_feasible": self.is_feasible,
+            "joints": [self._joint_document(j) for j in range(robot.n_joints)],
+            "tool": {key: plain(getattr(self.tool, key)) for key in _TOOL},
+            "singularities": [
+                {key: plain(getattr(report, key)) for key in _SINGULARITY} for report in self.tool.singularities
+            ],
+            "violations": [check.to_dict() for check in self.violations],
+            "governing": None if self.worst is None else self.worst.to_dict(),
+            "not_assessed": list(self.not_assessed),
+            "remarks": list(self.remarks),
+            "n_evaluations": self.motion.n_evaluations,
+        }
+
+    def _joint_document(self, j: int) -> dict[str, Any]:
+        robot = self.motion.robot
+        return {
+            "name": robot.joint_names[j],
+            "is_prismatic": bool(robot.is_prismatic[j]),
+            "position_min": plain(self.position.min[j]),
+            "position_max": plain(self.position.max[j]),
+            **{key: plain(getattr(self, key)[j]) for key in _PER_JOINT},
+            "margins": {quantity: plain(values[j]) for quantity, values in self.margins.items()},
+            "checks": [check.to_dict() for check in self.checks if check.joint == robot.joint_names[j]],
+        }
 
     def __str__(self) -> str:
-        return assessment_text(self)
+        return view.text(self.to_dict())
 
     def _repr_html_(self) -> str:
-        return assessment_html(self)
+        return view.html(self.to_dict())
 
 
 def assess(what: Motion | Robot, trajectory: Trajectory | None = None, *, dwell: float = 0.0) -> Assessment:

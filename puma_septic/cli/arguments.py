@@ -9,7 +9,7 @@ from argparse import ArgumentParser, ArgumentTypeError, Namespace, RawDescriptio
 from collections.abc import Sequence
 from typing import NamedTuple, NoReturn
 
-from puma_septic import __version__
+from puma_septic._version import __version__
 from puma_septic.cli.choosing import COMPARE, OPTIMISE, PROFILES, add_compare, add_optimise, add_profiles
 from puma_septic.cli.gate import CHECK, add_check
 from puma_septic.cli.sizing import SIZE, add_size

@@ -11,7 +11,7 @@ from pathlib import Path
 from puma_septic.assessment import Assessment
 from puma_septic.cli.arguments import Answer
 from puma_septic.cli.tasks import asked_task
-from puma_septic.cli.texts import assessed_text, is_kept, turned_text
+from puma_septic.cli.texts import assessed_text, turned_text
 from puma_septic.errors import InputError
 from puma_septic.report import assess_document, metrics_csv, new_folder, profile_labels, samples_csv, to_json
 from puma_septic.task import ResolvedTask, assess_task, resolve_task
@@ -43,7 +43,7 @@ def run(arguments: Namespace) -> Answer:
         raise InputError("--no-png goes with --out: name the folder to write into")
     if arguments.out is not None:
         _write_folder(arguments.out, shown, png=not arguments.no_png)
-    is_feasible = all(is_kept(one, arguments.margin) for one in asked[0][1])
+    is_feasible = not any(one.keeps(arguments.margin) for one in asked[0][1])
     return Answer(text, 0 if is_feasible else 1)
 
 

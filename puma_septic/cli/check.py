@@ -12,7 +12,6 @@ import numpy as np
 
 import puma_septic
 from puma_septic import __version__
-from puma_septic.assessment.checks import QUANTITIES
 from puma_septic.checks import checked_number
 from puma_septic.cli.arguments import Answer
 from puma_septic.cli.tasks import asked_robot
@@ -29,6 +28,7 @@ from puma_septic.gate import (
     checked_allowances,
     fixed,
 )
+from puma_septic.quantities import QUANTITIES
 from puma_septic.report import to_json
 from puma_septic.robot import Payload, Robot, load_robot, robot_files
 from puma_septic.ros import (
@@ -64,7 +64,7 @@ class _Checked:
 
 def run(arguments: Namespace) -> Answer:
     """Check every trajectory of every file; the exit code is that of the worst."""
-    allow = tuple(sorted(checked_allowances(arguments.allow, QUANTITIES)))
+    allow = tuple(sorted(checked_allowances(arguments.allow, tuple(QUANTITIES))))
     tolerance = START_TOLERANCE if arguments.start_tolerance is None else arguments.start_tolerance
     checked_number("--start-tolerance", tolerance, unit="rad", at_least=0.0)
     if arguments.effort and arguments.fix is None:

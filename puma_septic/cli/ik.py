@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from typing import Any, Final
+from typing import Any
 
-from puma_septic import __version__
+from puma_septic._version import __version__
 from puma_septic.cli.arguments import Answer
 from puma_septic.cli.tasks import asked_robot, asked_task
 from puma_septic.cli.texts import wrapped
+from puma_septic.document import SCHEMAS
 from puma_septic.errors import InputError
 from puma_septic.kinematics import IkSolutions, rtb_names
 from puma_septic.kinematics.puma import CONFIGURATIONS
 from puma_septic.report import to_json
 from puma_septic.robot import Robot
-from puma_septic.tables import Cell, text_table
 from puma_septic.task import Posed, Task, make_task, solve_points
+from puma_septic.views.tables import Cell, text_table
 
 __all__ = ["run"]
-
-SCHEMA: Final = "puma-septic/ik/1"
 
 
 def run(arguments: Namespace) -> Answer:
@@ -94,7 +93,7 @@ def _rtb(configuration: str) -> dict[str, str]:
 
 def _document(task: Task, robot: Robot, posed: list[tuple[str, Posed]]) -> dict[str, Any]:
     return {
-        "schema": SCHEMA,
+        "schema": SCHEMAS["ik"],
         "version": __version__,
         "robot": robot.name,
         "tool_frame": robot.tool,

@@ -8,21 +8,21 @@ from typing import Any, Final
 
 import numpy as np
 
-from puma_septic import __version__
+from puma_septic._version import __version__
 from puma_septic.assessment import Assessment, assess
 from puma_septic.checks import Array
 from puma_septic.cli.arguments import Answer
 from puma_septic.cli.tasks import asked_robot
-from puma_septic.cli.texts import is_kept, margin_text, wrapped
+from puma_septic.cli.texts import margin_text, wrapped
+from puma_septic.document import SCHEMAS
 from puma_septic.errors import InputError
 from puma_septic.profiles.logged import JointLog, fit_residual, fit_trajectory, read_csv_trajectory
 from puma_septic.report import named_metrics_csv, new_folder, samples_csv, to_json
 from puma_septic.robot import Payload, Robot, load_robot
-from puma_septic.tables import number
+from puma_septic.views.tables import number
 
 __all__ = ["run_log"]
 
-SCHEMA: Final = "puma-septic/assess-log/1"
 # A step this many times the usual one is a gap, over which a spline would invent a motion.
 _GAP: Final = 10
 
@@ -51,7 +51,7 @@ def run_log(arguments: Namespace) -> Answer:
         text = _text(arguments, assessment)
     if arguments.out is not None:
         _write_folder(arguments, assessment, document)
-    return Answer(text, 0 if is_kept(assessment, arguments.margin) else 1)
+    return Answer(text, 1 if assessment.keeps(arguments.margin) else 0)
 
 
 def _read(arguments: Namespace) -> JointLog:
@@ -99,7 +99,7 @@ def _document(arguments: Namespace, assessment: Assessment) -> dict[str, Any]:
     trajectory = assessment.motion.trajectory
     residual = fit_residual(trajectory)
     return {
-        "schema": SCHEMA,
+        "schema": SCHEMAS["assess-log"],
         "version": __version__,
         "is_feasible": assessment.is_feasible,
         "file": str(arguments.csv),

@@ -7,17 +7,16 @@ from dataclasses import asdict
 from textwrap import wrap
 from typing import Any, Final
 
-from puma_septic.assessment.texts import plain
 from puma_septic.cli.arguments import Answer
+from puma_septic.document import SCHEMAS, plain
 from puma_septic.profiles import ProfileInfo, available, normalised_table
 from puma_septic.report import to_json
-from puma_septic.tables import Cell, text_table
+from puma_septic.views.tables import Cell, text_table
 
 __all__ = ["run"]
 
 # Jerk at the ends below this is rounding.
 _ZERO: Final = 1e-9
-SCHEMA: Final = "puma-septic/profiles/1"
 _NOTE: Final = (
     "Class: of the motion from rest to rest, the rest included (C0: the velocity steps, C1: the acceleration, C2: the"
     " jerk); inside: between start and end. Stated for default arguments: via velocities that are given make a profile"
@@ -33,7 +32,7 @@ def run(arguments: Namespace) -> Answer:
     """The catalogue, and the normalised table where asked for."""
     infos = available()
     if arguments.format == "json":
-        document: dict[str, Any] = {"schema": SCHEMA, "profiles": [asdict(info) for info in infos]}
+        document: dict[str, Any] = {"schema": SCHEMAS["profiles"], "profiles": [asdict(info) for info in infos]}
         if arguments.normalised:
             rows = [{key: plain(value) for key, value in asdict(row).items()} for row in normalised_table()]
             document["normalised"] = rows

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from textwrap import wrap
 from typing import Final
 
-import numpy as np
-
-from puma_septic.assessment import Assessment, LimitCheck
+from puma_septic.assessment import Assessment
 from puma_septic.report import profile_labels
-from puma_septic.tables import Cell, text_table
 from puma_septic.task import Branch, ResolvedTask
-from puma_septic.testing import assert_feasible
+from puma_septic.views import profiles
+from puma_septic.views.checks import unmet_text
 
-__all__ = ["assessed_text", "broken_text", "is_kept", "margin_text", "turned_text", "wrapped"]
+__all__ = ["assessed_text", "broken_text", "margin_text", "turned_text", "wrapped"]
 
 WIDTH: Final = 100
 _COLUMNS: Final = re.compile(r"\S  +\S")
@@ -36,7 +34,7 @@ def wrapped(text: str) -> str:
 
 def assessed_text(resolved: ResolvedTask, assessments: Sequence[Assessment], margin: float = 0.0) -> str:
     """The task, its profiles side by side, why its points break limits if they do, and each assessment."""
-    parts = [_head(resolved), comparison(assessments)]
+    parts = [_head(resolved), side_by_side(assessments)]
     if resolved.has_poses and not resolved.branch.is_within_limits:
         parts.append(broken_text(resolved))
     if margin:
@@ -50,29 +48,17 @@ def turned_text(resolved: ResolvedTask, assessments: Sequence[Assessment]) -> st
     """A second task, shorter."""
     name = resolved.task.name
     more = f"All about it: puma-septic assess {name}"
-    return "\n\n".join([_rule(f"Compare: {name}"), _head(resolved), comparison(assessments), more])
+    return "\n\n".join([_rule(f"Compare: {name}"), _head(resolved), side_by_side(assessments), more])
 
 
-def comparison(assessments: Sequence[Assessment]) -> str:
+def side_by_side(assessments: Sequence[Assessment]) -> str:
     """The profiles side by side, one row each."""
-    headers = ["profile", "verdict", "limit used most", "velocity", "torque", "jerk", "overshoot"]
-    rows: list[list[Cell]] = [
-        [
-            label,
-            "feasible" if one.is_feasible else "infeasible",
-            "none known" if one.worst is None else f"{one.worst.joint} {one.worst.quantity} {_percent(one.worst)}",
-            _use(one, "velocity"),
-            _use(one, "effort"),
-            float(one.peak_jerk.max()),
-            float(one.overshoot.max()),
-        ]
-        for label, one in zip(profile_labels(assessments), assessments, strict=True)
-    ]
+    table = profiles.text([one.to_dict() for one in assessments], profile_labels(assessments))
     note = (
         "The largest among the joints: velocity and torque in per cent of their limits, jerk in rad/s^3, and"
         " overshoot beyond the points in rad."
     )
-    return text_table(headers, rows) + "\n" + wrapped(note)
+    return table + "\n" + wrapped(note)
 
 
 def broken_text(resolved: ResolvedTask) -> str:
@@ -143,32 +129,10 @@ def margin_text(assessments: Sequence[Assessment], margin: float) -> str:
     """What is not kept with the margin that was asked for."""
     parts = []
     for label, assessment in zip(profile_labels(assessments), assessments, strict=True):
-        try:
-            assert_feasible(assessment, margin)
-        except AssertionError as error:
-            parts.append(f"{label}: {error}")
-        else:
-            parts.append(f"{label}: every known limit is kept with {100 * margin:g} % to spare")
+        unmet = assessment.keeps(margin)
+        kept = f"every known limit is kept with {100 * margin:g} % to spare"
+        parts.append(f"{label}: {unmet_text(unmet, assessment.not_assessed, margin) if unmet else kept}")
     return wrapped("\n\n".join(parts))
-
-
-def is_kept(assessment: Assessment, margin: float) -> bool:
-    """Whether every known limit is kept with this margin."""
-    try:
-        assert_feasible(assessment, margin)
-    except AssertionError:
-        return False
-    return True
-
-
-def _use(assessment: Assessment, quantity: str) -> str:
-    checks: Iterable[LimitCheck] = [check for check in assessment.checks if check.quantity == quantity]
-    worst = max(checks, key=lambda check: check.utilisation, default=None)
-    return "not known" if worst is None else _percent(worst)
-
-
-def _percent(check: LimitCheck) -> str:
-    return "unbounded" if np.isinf(check.utilisation) else f"{100 * check.utilisation:.0f} %"
 
 
 def _rule(title: str) -> str:

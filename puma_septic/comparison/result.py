@@ -12,14 +12,22 @@ import numpy as np
 
 from puma_septic.assessment import Assessment
 from puma_septic.checks import Array, checked_choice
-from puma_septic.comparison.texts import comparison_csv, comparison_document, comparison_html, comparison_text
+from puma_septic.document import SCHEMAS, plain
 from puma_septic.objectives import Objective, non_dominated
 from puma_septic.trajectory import Trajectory
+from puma_septic.views import comparison as view
 
 __all__ = ["ComparedProfile", "Comparison"]
 
 # A velocity below this part of the joint's peak is rest.
 _REST = 1e-9
+_PER_JOINT = (
+    "peak_velocity", "rms_velocity", "peak_acceleration", "rms_acceleration", "peak_jerk", "rms_jerk",
+    "integral_of_squared_jerk", "end_jerk", "overshoot", "via_miss", "peak_torque", "rms_torque", "energy_in",
+    "energy_out",
+)  # fmt: skip
+# Of all joints together these are the sum; the others are the largest.
+_SUMMED = ("integral_of_squared_jerk", "energy_in", "energy_out")
 
 
 @final
@@ -108,6 +116,36 @@ class ComparedProfile:
             notes.append("the acceleration steps: unbounded jerk")
         return tuple(notes)
 
+    @property
+    def per_joint(self) -> dict[str, Array]:
+        """Every metric by joint, shape (n_joints,) each."""
+        sources = (self, self.trajectory, self.assessment)
+        return {name: getattr(next(one for one in sources if hasattr(one, name)), name) for name in _PER_JOINT}
+
+    @property
+    def overall(self) -> dict[str, float]:
+        """Each metric of the worst joint, integrals and energies summed."""
+        return {
+            name: float(values.sum() if name in _SUMMED else values.max()) for name, values in self.per_joint.items()
+        }
+
+    def to_dict(self) -> dict[str, Any]:
+        """A JSON-ready document, one of `Comparison.to_dict`'s profiles."""
+        return {
+            "name": self.name,
+            "continuity": self.continuity,
+            "duration": self.duration,
+            "stops_at_vias": self.stops_at_vias,
+            "objectives": plain(self.objectives),
+            "overall": plain(self.overall),
+            "joints": plain(self.per_joint),
+            "is_feasible": self.assessment.is_feasible,
+            "checks": [check.to_dict() for check in self.assessment.checks],
+            "violations": [str(check) for check in self.assessment.violations],
+            "singularities_crossed": dict(self.singularities_crossed),
+            "notes": list(self.notes),
+        }
+
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -147,14 +185,25 @@ class Comparison:
 
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready document; numbers in SI units, "unbounded" for infinity, null for what is not known."""
-        return comparison_document(self)
+        robot = self.profiles[0].assessment.motion.robot
+        return {
+            "schema": SCHEMAS["comparison"],
+            "robot": robot.name,
+            "joint_names": list(robot.joint_names),
+            "points": plain(self.points),
+            "times": plain(self.times),
+            "objectives": [{"name": one.name, "unit": one.unit, "meaning": one.meaning} for one in self.objectives],
+            "pareto_optimal": list(self.pareto_optimal),
+            "profiles": [row.to_dict() for row in self.profiles],
+            "unsuitable": dict(self.unsuitable),
+        }
 
     def to_csv(self) -> str:
         """One line per profile and joint, after a line for all joints together."""
-        return comparison_csv(self)
+        return view.csv(self.to_dict())
 
     def __str__(self) -> str:
-        return comparison_text(self)
+        return view.text(self.to_dict())
 
     def _repr_html_(self) -> str:
-        return comparison_html(self)
+        return view.html(self.to_dict())

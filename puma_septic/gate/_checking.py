@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from puma_septic.assessment import Assessment, LimitCheck, assess
-from puma_septic.assessment.checks import QUANTITIES, UNITS, limit_checks
+from puma_septic.assessment.checks import limit_checks
 from puma_septic.checks import Array, checked_array, checked_number
 from puma_septic.errors import ModelError
 from puma_septic.gate._reasons import AT_REST, DRIVE_VALUES, Reason, checked_allowances, verdict_of
 from puma_septic.gate._texts import check_document, check_text
+from puma_septic.quantities import MAGNITUDES, QUANTITIES
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 
@@ -122,7 +123,7 @@ def check_trajectory(
     >>> ps.check_trajectory(robot, move, allow=["limit_unknown"]).verdict
     'ok'
     """
-    allowed = checked_allowances(allow, QUANTITIES)
+    allowed = checked_allowances(allow, tuple(QUANTITIES))
     tolerance = checked_number("start_tolerance", start_tolerance, unit="rad", at_least=0.0)
     place = None if start is None else checked_array("start", start, (robot.n_joints,), unit="rad")
     judged, moving, notes = _ends(robot, trajectory, allowed)
@@ -188,7 +189,7 @@ def _ends(
 
 
 def _moving(robot: Robot, code: str, j: int, time: float, speed: float, allowed: frozenset[str]) -> Reason:
-    joint, unit = robot.joint_names[j], UNITS["velocity"][int(robot.is_prismatic[j])]
+    joint, unit = robot.joint_names[j], QUANTITIES["velocity"].unit(robot.is_prismatic[j])
     verb = "begins" if code == "moving_start" else "ends"
     text = f"the motion {verb} with {joint} at {speed:.4g} {unit}, not at rest"
     return Reason(
@@ -202,7 +203,7 @@ def _unknown(robot: Robot, allowed: frozenset[str]) -> list[Reason]:
     limits = robot.limits
     missing = {
         "position": np.isnan(limits.position).any(axis=1) & ~robot.is_continuous,
-        **{name: np.isnan(getattr(limits, name)) for name in QUANTITIES[1:]},
+        **{name: np.isnan(getattr(limits, name)) for name in MAGNITUDES},
     }
     reasons = [
         _missing("limit_unknown", robot.joint_names[j], quantity, f"no {quantity} limit", allowed)
@@ -235,7 +236,7 @@ def _start_mismatch(robot: Robot, trajectory: Trajectory, start: Array, toleranc
     apart = np.where(robot.is_continuous, np.remainder(apart + math.pi, math.tau) - math.pi, apart)
     reasons = []
     for j in np.flatnonzero(np.abs(apart) > tolerance):
-        unit = UNITS["position"][int(robot.is_prismatic[j])]
+        unit = QUANTITIES["position"].unit(robot.is_prismatic[j])
         text = (
             f"{robot.joint_names[j]} starts at {first[j]:.6g} {unit}, {abs(apart[j]):.4g} {unit} from the start state's"
             f" {start[j]:.6g}; allowed are {tolerance:g}"

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from puma_septic.assessment import LimitCheck
-from puma_septic.assessment.checks import QUANTITIES
-from puma_septic.assessment.texts import plain
+from puma_septic.document import plain
 from puma_septic.gate._reasons import Reason
-from puma_septic.tables import Cell, number, text_table
+from puma_septic.quantities import QUANTITIES
+from puma_septic.views.tables import Cell, number, text_table
 
 if TYPE_CHECKING:  # the value that these texts describe stands one file up in this room
     from puma_septic.gate._checking import TrajectoryCheck

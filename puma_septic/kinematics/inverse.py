@@ -23,7 +23,7 @@ from puma_septic.kinematics.numeric import SOLVED, distinct, end_errors, is_sing
 from puma_septic.kinematics.poses import checked_poses
 from puma_septic.kinematics.puma import CONFIGURATIONS, SINGULARITIES, PumaGeometry, puma_geometry
 from puma_septic.robot import Robot
-from puma_septic.tables import html_table
+from puma_septic.views.tables import html_table
 
 __all__ = ["IkBatch", "IkSolutions", "inverse_kinematics", "inverse_kinematics_batch", "rtb_names"]
 

@@ -10,9 +10,10 @@ from typing import Any, final
 import numpy as np
 
 from puma_septic.assessment import LimitCheck
-from puma_septic.assessment.checks import QUANTITIES, limit_checks, unknown_values
+from puma_septic.assessment.checks import limit_checks, unknown_values
 from puma_septic.checks import Array
 from puma_septic.objectives import Candidate
+from puma_septic.quantities import MOTION, QUANTITIES
 from puma_septic.robot import Robot
 
 __all__ = ["Verdict", "known_quantities", "verdict_of"]
@@ -101,7 +102,7 @@ def verdict_of(candidate: Candidate, respected: Iterable[str]) -> Verdict | None
     unknown = (line.partition(": ") for line in unknown_values(robot) if "limit" in line)
     missing = [f"{what} ({why})" for what, _, why in unknown]
     if robot.missing_inertia:
-        demands = {name: trajectory.peak(order) for order, name in enumerate(QUANTITIES[1:4], start=1)}
+        demands = {name: trajectory.peak(order) for order, name in enumerate(MOTION[1:], start=1)}
         checks = limit_checks(robot, trajectory.extrema(0), demands)
         missing.append(f"effort (no inertia is known beyond {', '.join(robot.missing_inertia)})")
     else:

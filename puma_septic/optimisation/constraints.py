@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,14 +11,12 @@ from puma_septic.checks import Array, checked_array, checked_choice
 from puma_septic.errors import InputError
 from puma_septic.objectives import Candidate
 from puma_septic.piecewise import Extrema
+from puma_septic.quantities import QUANTITIES
 from puma_septic.robot import Robot
 
 __all__ = ["Excess", "checked_quantities", "excess_function"]
 
 Excess = Callable[[Candidate], Array]
-
-_ORDERS: Final = {"velocity": 1, "acceleration": 2, "jerk": 3}
-LIMITS: Final = ("position", *_ORDERS, "effort")
 
 
 def excess_function(
@@ -46,7 +43,7 @@ def excess_function(
 def checked_quantities(keep: Sequence[str]) -> tuple[str, ...]:
     """Names of limits; one name alone is meant as such."""
     names = (keep,) if isinstance(keep, str) else tuple(keep)
-    return tuple(checked_choice("limit", name, LIMITS) for name in names)
+    return tuple(checked_choice("limit", name, QUANTITIES) for name in names)
 
 
 def _beyond_hull(candidate: Candidate, bound: Array) -> Array:
@@ -64,12 +61,12 @@ def _limit_check(robot: Robot | None, quantity: str) -> Excess:
         raise InputError(
             f"no {quantity} limit of robot {robot.name!r} is known; give them by robot.with_limits({quantity}=...)"
         )
-    if quantity == "position":
+    row = QUANTITIES[quantity]
+    if row.is_range:
         return lambda candidate: _beyond_positions(candidate, limit)
-    if quantity == "effort":
-        return lambda candidate: _beyond(candidate.motion.torque.extrema(), limit)
-    order = _ORDERS[quantity]
-    return lambda candidate: _beyond(candidate.trajectory.extrema(order), limit)
+    if row.signal == "position":
+        return lambda candidate: _beyond(candidate.trajectory.extrema(row.order), limit)
+    return lambda candidate: _beyond(candidate.motion.torque.extrema(), limit)
 
 
 def _beyond_positions(candidate: Candidate, limit: Array) -> Array:

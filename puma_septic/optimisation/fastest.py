@@ -10,8 +10,8 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.assessment.texts import plain
 from puma_septic.checks import Array, checked_array
+from puma_septic.document import SCHEMAS, plain
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.limit_check import AT_LIMIT
 from puma_septic.objectives import Candidate
@@ -28,9 +28,10 @@ from puma_septic.optimisation.problems import (
 )
 from puma_septic.optimisation.searching import COARSE, FINE, KEPT
 from puma_septic.optimisation.variables import MakeTrajectory
+from puma_septic.quantities import MOTION
 from puma_septic.robot import Robot
-from puma_septic.tables import Cell, text_table
-from puma_septic.trajectory import ORDERS, Trajectory
+from puma_septic.trajectory import Trajectory
+from puma_septic.views.tables import Cell, text_table
 
 __all__ = ["LeastTime", "least_time"]
 
@@ -97,7 +98,7 @@ class LeastTime:
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready document, SI units."""
         return {
-            "schema": "puma-septic/least-time/1",
+            "schema": SCHEMAS["least-time"],
             "profile": self.trajectory.profile,
             "duration": self.duration,
             "times": plain(self.trajectory.times),
@@ -134,7 +135,7 @@ class LeastTime:
 
     def _used(self) -> dict[str, Array]:
         """Use of each limit by each joint, of the robot's too where it was not respected; NaN where there is none."""
-        used = dict(zip(ORDERS[1:], self.utilisation, strict=True))
+        used = dict(zip(MOTION[1:], self.utilisation, strict=True))
         if self.verdict is None:
             return used
         nothing = np.full(self.trajectory.n_joints, np.nan)
@@ -243,7 +244,7 @@ def _checked_limits(
 ) -> Array:
     """Those given and those of the robot, the lesser of both, shape (3, n_joints); NaN where there is none."""
     limits = np.full((3, n_joints), np.nan)
-    for row, name, value in zip(limits, ORDERS[1:], given, strict=True):
+    for row, name, value in zip(limits, MOTION[1:], given, strict=True):
         if value is not None:
             shape = () if np.ndim(value) == 0 else (n_joints,)
             row[:] = checked_array(f"max_{name}", value, shape, allow_nan=True)

@@ -11,8 +11,8 @@ from typing import Any, Final, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from puma_septic.assessment.texts import plain
 from puma_septic.checks import Array, read_only
+from puma_septic.document import SCHEMAS, plain
 from puma_septic.errors import InputError
 from puma_septic.objectives import Candidate, Objective, checked_objectives, non_dominated
 from puma_septic.optimisation._verdict import Verdict
@@ -27,8 +27,8 @@ from puma_septic.optimisation.problems import (
 from puma_septic.optimisation.searching import KEPT, Found, search
 from puma_septic.optimisation.variables import MakeTrajectory
 from puma_septic.robot import Robot
-from puma_septic.tables import Cell, text_table
 from puma_septic.trajectory import Trajectory
+from puma_septic.views.tables import Cell, text_table
 
 __all__ = ["ParetoFront", "pareto_front"]
 
@@ -83,7 +83,7 @@ class ParetoFront:
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready document, SI units."""
         return {
-            "schema": "puma-septic/pareto-front/1",
+            "schema": SCHEMAS["pareto-front"],
             "profile": self.start.profile,
             "objectives": [{"name": one.name, "unit": one.unit} for one in self.objectives],
             "start": {"times": plain(self.start.times), "values": plain(self.start_values)},

@@ -11,8 +11,8 @@ from typing import Any, Final, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.assessment.texts import plain
 from puma_septic.checks import Array
+from puma_septic.document import SCHEMAS, plain
 from puma_septic.objectives import Objective, checked_objectives
 from puma_septic.optimisation._verdict import Verdict
 from puma_septic.optimisation.problems import (
@@ -28,8 +28,8 @@ from puma_septic.optimisation.searching import COARSE, FINE, KEPT
 from puma_septic.optimisation.structure import SQUARES, best_free_values, gradient_by_times
 from puma_septic.optimisation.variables import MakeTrajectory
 from puma_septic.robot import Robot
-from puma_septic.tables import Cell, text_table
 from puma_septic.trajectory import Trajectory
+from puma_septic.views.tables import Cell, text_table
 
 __all__ = ["OptimisedTimes", "optimise_via_times"]
 
@@ -101,7 +101,7 @@ class OptimisedTimes:
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready document, SI units."""
         return {
-            "schema": "puma-septic/optimisation/1",
+            "schema": SCHEMAS["optimisation"],
             "profile": self.trajectory.profile,
             "objective": {"name": self.objective.name, "unit": self.objective.unit},
             "start": {"times": plain(self.start.times), "value": plain(self.start_value)},

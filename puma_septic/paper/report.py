@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final, final
 
 import numpy as np
 
-from puma_septic.assessment.texts import plain
 from puma_septic.checks import Array, checked_number
+from puma_septic.document import SCHEMAS, plain
 from puma_septic.paper import claims_of_motion, claims_of_points, claims_of_profiles
 from puma_septic.paper.claim import Claim
 from puma_septic.paper.evidence import TIME_STEP, Evidence, gather
 from puma_septic.paper.inputs import PAPER, POINTS, PaperInputs
 from puma_septic.robot import Robot, load_robot
-from puma_septic.tables import Cell, text_table
+from puma_septic.views.tables import Cell, text_table
 
-__all__ = ["SCHEMA", "PaperReport", "reproduce"]
+__all__ = ["PaperReport", "reproduce"]
 
 # Whatever changes in the layout of the document changes this.
-SCHEMA: Final = "puma-septic/paper/1"
 _JUDGES: Final[tuple[Callable[[Evidence], Claim], ...]] = (
     claims_of_points.claim_1,
     claims_of_points.claim_2,
@@ -69,7 +68,7 @@ class PaperReport:
         """A JSON-ready document; SI units, "unbounded" for infinity, null for what is not known."""
         e = self.evidence
         return {
-            "schema": SCHEMA,
+            "schema": SCHEMAS["paper"],
             "robot": e.robot.name,
             "branch": e.branch,
             "table_1": e.table_1.tolist(),
@@ -91,7 +90,7 @@ class PaperReport:
                     "source": claim.source,
                     "verdict": claim.verdict,
                     "explanation": claim.explanation,
-                    "measured": _plain_values(claim.measured),
+                    "measured": plain(claim.measured),
                 }
                 for claim in self.claims
             ],
@@ -187,10 +186,3 @@ def _computing(e: Evidence) -> str:
         f"septic {1e6 * e.computing.septic:.0f} us (the paper prints {e.inputs.septic_seconds:.6f} s), LSPB"
         f" {1e6 * e.computing.lspb:.0f} us (the paper prints {e.inputs.lspb_seconds:.6f} s)"
     )
-
-
-def _plain_values(values: Any) -> Any:
-    """Nested mappings, sequences, numbers and texts as JSON has them."""
-    if isinstance(values, Mapping):
-        return {key: _plain_values(value) for key, value in values.items()}
-    return plain(values)

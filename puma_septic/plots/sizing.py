@@ -13,6 +13,7 @@ from matplotlib.patches import Patch
 
 from puma_septic.checks import Array
 from puma_septic.errors import InputError
+from puma_septic.limit_check import LimitCheck
 from puma_septic.plots.style import (
     LIMIT,
     PALETTE,
@@ -23,7 +24,7 @@ from puma_septic.plots.style import (
     sampled,
     tidy,
 )
-from puma_septic.sizing import Demands, Sizing, SizingCheck
+from puma_septic.sizing import Demands, Sizing
 
 __all__ = [
     "plot_ratio_sweep",
@@ -141,7 +142,7 @@ def plot_sizing_utilisation(sizing: Sizing) -> Figure:
     return figure
 
 
-def _draw_use(panel: Axes, x: int, y: int, check: SizingCheck) -> None:
+def _draw_use(panel: Axes, x: int, y: int, check: LimitCheck) -> None:
     """One bar in its frame, with its number."""
     use = 100 * check.utilisation
     colour = _SHADES[int(np.searchsorted(_BANDS, 100.0 if not check.is_violated and use > 100 else use))]

@@ -13,7 +13,6 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MultipleLocator
 
 from puma_septic.assessment import Assessment
-from puma_septic.assessment.checks import QUANTITIES
 from puma_septic.plots.style import (
     LIMIT,
     as_group,
@@ -24,6 +23,7 @@ from puma_septic.plots.style import (
     titled,
     unique_labels,
 )
+from puma_septic.quantities import QUANTITIES
 
 __all__ = ["plot_utilisation"]
 

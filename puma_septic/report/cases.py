@@ -14,13 +14,12 @@ from puma_septic.errors import InputError
 from puma_septic.motion import Motion
 from puma_septic.paper import PaperReport
 from puma_septic.report.documents import profile_labels
-from puma_septic.report.verdicts import reason, verdict_sentence
 from puma_septic.sizing import Sizing
-from puma_septic.sizing.texts import verdict as sizing_verdict
-from puma_septic.tables import html_table
 from puma_septic.task import ResolvedTask
+from puma_septic.views import profiles as view
+from puma_septic.views.tables import html_table
 
-__all__ = ["Case", "Reported", "case_of", "task_case"]
+__all__ = ["Case", "Reported", "case_of", "reason", "task_case"]
 
 Reported = Assessment | Sequence[Assessment] | Comparison | Sizing | PaperReport
 # More curves than colours in one chart are told apart by nobody.
@@ -89,10 +88,28 @@ def task_case(resolved: ResolvedTask, assessments: Sequence[Assessment]) -> Case
         assessments=tuple(assessments),
         labels=labels,
         is_feasible=all(one.is_feasible for one in assessments),
-        sentence=verdict_sentence(assessments, labels),
+        sentence=_sentence(assessments, labels),
         reason=reason(resolved),
         resolved=resolved,
     )
+
+
+def reason(resolved: ResolvedTask) -> str:
+    """Why no profile can be feasible, where the points themselves break limits in every branch; else empty."""
+    always = resolved.broken_in_all_branches
+    if not always:
+        return ""
+    points: dict[str, list[str]] = {}
+    for joint, point in always:
+        points.setdefault(joint, []).append(point)
+    where = ", ".join(f"{joint} at {' and '.join(names)}" for joint, names in points.items())
+    count = len(resolved.branches)
+    branches = f"All {count} branches of the inverse kinematics break" if count > 1 else "The points break"
+    return f"{branches} the position limit of {where}: no profile through these points can be feasible."
+
+
+def _sentence(assessments: Sequence[Assessment], labels: Sequence[str]) -> str:
+    return view.sentence([one.to_dict() for one in assessments], labels)
 
 
 def _plain_case(group: tuple[Assessment, ...], title: str | None, preface: str = "") -> Case:
@@ -102,7 +119,7 @@ def _plain_case(group: tuple[Assessment, ...], title: str | None, preface: str =
         assessments=group,
         labels=labels,
         is_feasible=all(one.is_feasible for one in group),
-        sentence=verdict_sentence(group, labels),
+        sentence=_sentence(group, labels),
         preface=Markup(preface),
     )
 
@@ -121,20 +138,19 @@ def _comparison_case(comparison: Comparison, title: str | None) -> Case:
         assessments=tuple(row.assessment for row in drawn),
         labels=[row.name for row in drawn],
         is_feasible=any(one.is_feasible for one in every),
-        sentence=verdict_sentence(every, [row.name for row in rows]),
+        sentence=_sentence(every, [row.name for row in rows]),
         preface=_boxed(comparison._repr_html_() + note),
     )
 
 
 def _sizing_case(sizing: Sizing, title: str | None) -> Case:
     group = tuple(assess(step) for step in sizing.cycle.steps if isinstance(step, Motion))
-    text = sizing_verdict(sizing)
     return Case(
         title=_titled(group, title),
         assessments=group,
         labels=profile_labels(group),
         is_feasible=sizing.is_feasible,
-        sentence=f"The drives are {text}.",
+        sentence=f"The drives are {sizing.verdict}.",
         preface=_boxed(
             f"{sizing._repr_html_()}<p>What follows are the motions of the cycle, held against the robot's limits.</p>"
         ),

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any
 
-from puma_septic import __version__
+from puma_septic._version import __version__
 from puma_septic.assessment import Assessment
+from puma_septic.document import SCHEMAS
 from puma_septic.task import ResolvedTask
 
-__all__ = ["SCHEMA", "assess_document", "profile_labels", "to_json"]
-
-# Whatever changes in the layout of the document changes this.
-SCHEMA: Final = "puma-septic/assess/1"
+__all__ = ["assess_document", "profile_labels"]
 
 
 def assess_document(tasks: Sequence[tuple[ResolvedTask, Sequence[Assessment]]]) -> dict[str, Any]:
     """The document of assessed tasks: what was asked, so that it can be repeated, and what came out."""
     return {
-        "schema": SCHEMA,
+        "schema": SCHEMAS["assess"],
         "version": __version__,
         "is_feasible": all(one.is_feasible for _, assessments in tasks for one in assessments),
         "tasks": [_task_document(resolved, assessments) for resolved, assessments in tasks],
@@ -30,11 +27,6 @@ def profile_labels(assessments: Sequence[Assessment]) -> list[str]:
     """The profiles' names, numbered where one occurs more than once."""
     names = [one.motion.trajectory.profile for one in assessments]
     return [name if names.count(name) == 1 else f"{name}-{names[: k + 1].count(name)}" for k, name in enumerate(names)]
-
-
-def to_json(document: dict[str, Any]) -> str:
-    """JSON text with all digits of each number; NaN and Infinity, which JSON does not have, are a bug."""
-    return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def _task_document(resolved: ResolvedTask, assessments: Sequence[Assessment]) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import final
 
 from puma_septic.assessment import Assessment
-from puma_septic.assessment.checks import QUANTITIES
+from puma_septic.quantities import MOTION
 from puma_septic.report.charts import SIZE, Chart
 from puma_septic.report.documents import profile_labels
 from puma_septic.report.panels import (
@@ -56,7 +56,7 @@ def groups_of(group: Sequence[Samples]) -> list[Group]:
     jerk_note = "Steps are upright lines; an arrowhead marks an impulse, where the value is unbounded."
     notes = ("Circles are the points of the task; dashed: the limits.", "", "", jerk_note)
     for order, note in enumerate(notes):
-        name = QUANTITIES[order]
+        name = MOTION[order]
         groups.append(Group(name=name, title=name.capitalize(), charts=motion_charts(group, order), note=note))
     return groups
 

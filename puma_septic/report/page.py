@@ -11,19 +11,18 @@ from typing import Any, Final, final
 
 from markupsafe import Markup
 
-from puma_septic import __version__
+from puma_septic._version import __version__
 from puma_septic.assessment import Assessment
-from puma_septic.assessment.checks import QUANTITIES
-from puma_septic.assessment.texts import assessment_tables
 from puma_septic.errors import InputError, ModelError
+from puma_septic.quantities import QUANTITIES
 from puma_septic.report.cases import Case, Reported, case_of, task_case
 from puma_septic.report.groups import Group, groups_of
 from puma_septic.report.panels import Bar, samples_of, utilisation_bars
 from puma_septic.report.rendering import render
-from puma_septic.report.verdicts import comparison_table
-from puma_septic.robot.texts import robot_html
 from puma_septic.task import ResolvedTask
 from puma_septic.viewer import replay_html
+from puma_septic.views import assessment as assessment_view
+from puma_septic.views import profiles as profiles_view
 
 __all__ = ["report_html", "tasks_html", "write_report"]
 
@@ -141,23 +140,23 @@ def _section(case: Case) -> Section:
     assessments, labels, resolved = case.assessments, case.labels, case.resolved
     group = [samples_of(one, label) for one, label in zip(assessments, labels, strict=True)]
     bars = utilisation_bars(group)
-    known = {"effort" if quantity == "torque" else quantity for quantity in bars}
+    documents = [one.to_dict() for one in assessments]
     replay, no_replay = _replay(case)
     repeat, inputs = _inputs(case)
     return Section(
         case=case,
         description=" ".join(resolved.task.description.split()) if resolved is not None else "",
         head=_head(assessments, resolved),
-        comparison=Markup(comparison_table(assessments, labels)) if len(labels) > 1 else Markup(""),
+        comparison=Markup(profiles_view.html(documents, labels)) if len(labels) > 1 else Markup(""),
         bars=bars,
-        unknown=", ".join("torque" if one == "effort" else one for one in QUANTITIES if one not in known),
+        unknown=", ".join(one.label for one in QUANTITIES.values() if one.label not in bars),
         replay=replay,
         no_replay=no_replay,
         groups=groups_of(group),
-        tables=[(label, Markup(assessment_tables(one))) for label, one in zip(labels, assessments, strict=True)],
+        tables=[(label, Markup(assessment_view.tables(one))) for label, one in zip(labels, documents, strict=True)],
         not_assessed=_distinct(line for one in assessments for line in one.not_assessed),
         remarks=_distinct(line for one in assessments for line in one.remarks),
-        robot=Markup(robot_html(assessments[0].motion.robot)),
+        robot=Markup(assessments[0].motion.robot._repr_html_()),
         repeat=repeat,
         inputs=inputs,
         span=(min(float(one.t[0]) for one in group), max(float(one.t[-1]) for one in group)),

@@ -9,11 +9,11 @@ from typing import Final, final
 import numpy as np
 
 from puma_septic.assessment import Assessment
-from puma_septic.assessment.checks import QUANTITIES, UNITS
 from puma_septic.checks import Array
 from puma_septic.dynamics import TERMS
 from puma_septic.kinematics import forward_kinematics, tool_motion
 from puma_septic.piecewise import Piecewise, sampled
+from puma_septic.quantities import MOTION, QUANTITIES
 from puma_septic.report.charts import Chart, Curve, Mark, chart
 
 __all__ = [
@@ -90,17 +90,15 @@ def motion_charts(group: Sequence[Samples], order: int) -> list[Chart]:
             curves.append(_curve(t, values, k, one.label))
             marks += _vias(one, j) if order == 0 else _impulses(one, order, j, k)
         bounds = (
-            robot.limits.position[j]
-            if order == 0
-            else getattr(robot.limits, QUANTITIES[order])[j] * np.array([-1.0, 1.0])
+            robot.limits.position[j] if order == 0 else getattr(robot.limits, MOTION[order])[j] * np.array([-1.0, 1.0])
         )
-        unit = UNITS[QUANTITIES[order]][int(robot.is_prismatic[j])]
+        unit = QUANTITIES[MOTION[order]].unit(robot.is_prismatic[j])
         charts.append(
             chart(
                 "time",
                 curves,
                 title=joint,
-                y_label=f"{QUANTITIES[order]} [{_typeset(unit)}]",
+                y_label=f"{MOTION[order]} [{_typeset(unit)}]",
                 span=_span(group),
                 marks=marks,
                 limits=(float(bounds[0]), float(bounds[1])),
@@ -149,7 +147,7 @@ def plane_charts(group: Sequence[Samples]) -> list[Chart]:
                 [_curve(one.signals[1][:, j], one.signals[4][:, j], k, one.label) for k, one in enumerate(group)],
                 title=joint,
                 y_label=_effort_label(robot.is_prismatic[j]),
-                x_label=f"velocity [{UNITS['velocity'][int(robot.is_prismatic[j])]}]",
+                x_label=f"velocity [{QUANTITIES['velocity'].unit(robot.is_prismatic[j])}]",
                 limits=(-effort, effort),
                 x_limits=(-speed, speed),
                 limits_always=True,
@@ -231,7 +229,7 @@ def utilisation_bars(group: Sequence[Samples]) -> dict[str, list[tuple[str, list
                     ],
                 )
             )
-        bars["torque" if quantity == "effort" else quantity] = rows
+        bars[QUANTITIES[quantity].label] = rows
     return bars
 
 

@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Iterable, Sequence
-from typing import Any, Final
+from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 
 from puma_septic.assessment import Assessment
 from puma_septic.checks import Array
+from puma_septic.document import csv_text
 from puma_septic.piecewise import Piecewise
+from puma_septic.quantities import MOTION, QUANTITIES
 from puma_septic.report.documents import profile_labels
 from puma_septic.task import ResolvedTask
+from puma_septic.views.assessment import metrics_csv as metrics
 
 __all__ = ["metrics_csv", "named_metrics_csv", "samples_csv"]
 
 # A fine line on a wide screen; the instants of steps are added.
 _SAMPLES: Final = 1001
-_SIGNALS: Final = ("position", "velocity", "acceleration", "jerk", "torque")
-_UNITS: Final = {
-    False: ("rad", "rad/s", "rad/s^2", "rad/s^3", "N m"),
-    True: ("m", "m/s", "m/s^2", "m/s^3", "N"),
-}
+_SIGNALS: Final = tuple(QUANTITIES[name] for name in (*MOTION, "effort"))
 
 
 def metrics_csv(tasks: Sequence[tuple[ResolvedTask, Sequence[Assessment]]]) -> str:
@@ -36,16 +33,13 @@ def metrics_csv(tasks: Sequence[tuple[ResolvedTask, Sequence[Assessment]]]) -> s
 
 def named_metrics_csv(groups: Sequence[tuple[str, Sequence[Assessment]]]) -> str:
     """`metrics_csv` of assessments under any name, which stands in the column "task"."""
-    rows: list[list[Any]] = []
-    headers: list[str] = []
-    for group, assessments in groups:
-        for label, assessment in zip(profile_labels(assessments), assessments, strict=True):
-            for joint in assessment.to_dict()["joints"]:
-                margins = {f"margin {quantity}": value for quantity, value in joint.pop("margins").items()}
-                row = {"task": group, "profile": label, "joint": joint.pop("name"), **joint, **margins}
-                headers = list(row)
-                rows.append([_guarded(value) for value in row.values()])
-    return _text([headers, *rows])
+    return metrics(
+        [
+            (group, label, assessment.to_dict())
+            for group, assessments in groups
+            for label, assessment in zip(profile_labels(assessments), assessments, strict=True)
+        ]
+    )
 
 
 def samples_csv(assessment: Assessment) -> str:
@@ -53,18 +47,18 @@ def samples_csv(assessment: Assessment) -> str:
 
     At a break of any of them there are two rows, whose side is "left" and "right": where a signal steps they differ.
     """
-    robot, trajectory = assessment.motion.robot, assessment.motion.trajectory
-    signals = [*(trajectory.derivative(order) for order in range(4)), assessment.motion.torque]
+    robot = assessment.motion.robot
+    signals = [assessment.motion.signal(signal.name) for signal in _SIGNALS]
     breaks = np.unique(np.concatenate([signal.breaks for signal in signals]))
     series = Piecewise.concatenate([signal.split(breaks) for signal in signals])
     headers = [
-        f"{signal} {name} [{_UNITS[bool(slides)][k]}]"
-        for k, signal in enumerate(_SIGNALS)
+        f"{signal.label} {name} [{signal.unit(slides)}]"
+        for signal in _SIGNALS
         for name, slides in zip(robot.joint_names, robot.is_prismatic, strict=True)
     ]
     times, sides, values = _sampled(series)
     rows = ([repr(float(t)), side, *map(repr, row.tolist())] for t, side, row in zip(times, sides, values, strict=True))
-    return _text([["t [s]", "side", *headers], *rows])
+    return csv_text([["t [s]", "side", *headers], *rows])
 
 
 def _sampled(series: Piecewise) -> tuple[Array, list[str], Array]:
@@ -78,16 +72,3 @@ def _sampled(series: Piecewise) -> tuple[Array, list[str], Array]:
         sides += ["right", *[""] * len(inside), "left"]
         values.append(np.vstack([left[i], series(inside), right[i]]))
     return np.concatenate(times), sides, np.concatenate(values)
-
-
-def _guarded(value: Any) -> Any:
-    """Text that a spreadsheet would take for a formula is marked as text; what is not known is left empty."""
-    if isinstance(value, str) and value[:1] in ("=", "+", "-", "@") and value != "-unbounded":
-        return f"'{value}"
-    return "" if value is None else value
-
-
-def _text(rows: Iterable[Iterable[Any]]) -> str:
-    stream = io.StringIO()
-    csv.writer(stream, lineterminator="\n").writerows(rows)
-    return stream.getvalue()

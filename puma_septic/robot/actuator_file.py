@@ -11,12 +11,12 @@ import numpy as np
 
 from puma_septic.checks import Array, checked_array, checked_choice
 from puma_septic.errors import InputError, ModelError
+from puma_septic.quantities import MAGNITUDES, QUANTITIES
 from puma_septic.robot.toml_text import read_toml, table
 from puma_septic.robot.values import Actuator, Limits
 
 __all__ = ["ActuatorFile", "ParameterSet", "read_actuator_file"]
 
-QUANTITIES = ("velocity", "acceleration", "jerk", "effort")
 DRIVE_KEYS = ("gear_ratio", "rotor_inertia", "armature", "viscous_friction", "coulomb_friction")
 
 
@@ -96,10 +96,10 @@ class ActuatorFile:
             return urdf
         chosen = checked_choice(f"limits of {self.path.name}", name or self.default_limits or "", self.limits)
         where = f"{self.path}, [limits.{chosen}]"
-        data = table(self.limits[chosen], where, ("source", "note", "position", *QUANTITIES))
-        values = {key: np.full(len(joint_names), np.nan) for key in QUANTITIES}
+        data = table(self.limits[chosen], where, ("source", "note", *QUANTITIES))
+        values = {key: np.full(len(joint_names), np.nan) for key in MAGNITUDES}
         position = np.array(urdf.position)
-        for key in ("position", *QUANTITIES):
+        for key in QUANTITIES:
             given = table(data.get(key, {}), f"{where} {key}", [*joint_names, *locked], kind="joint")
             for joint, value in given.items():
                 if joint not in joint_names:

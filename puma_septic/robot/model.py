@@ -10,14 +10,20 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from puma_septic.checks import Array, checked_array, checked_choice, read_only
+from puma_septic.document import SCHEMAS, plain
 from puma_septic.errors import InputError
+from puma_septic.quantities import QUANTITIES
 from puma_septic.robot.meshes import Geometry
-from puma_septic.robot.texts import robot_html
 from puma_septic.robot.values import Actuator, Limits, Payload, Wrench
+from puma_septic.views import robot as view
 
 __all__ = ["Robot"]
 
 _Value = TypeVar("_Value")
+
+# What a document has of a payload and of an actuator, as their fields are called.
+_PAYLOAD = ("mass", "com", "inertia")
+_ACTUATOR = ("gear_ratio", "rotor_inertia", "viscous_friction", "coulomb_friction", "source")
 
 
 @final
@@ -221,8 +227,52 @@ class Robot:
             changes["position"] = checked_array("position", position, (self.n_joints, 2), allow_nan=True)
         return replace(self, limits=replace(new, **changes) if changes else new)
 
+    def to_dict(self) -> dict[str, Any]:
+        """A JSON-ready document: joints with their axes, limits and drives; null for what is not known.
+
+        Returns
+        -------
+        dict
+        """
+        payload = self.payload
+        return {
+            "schema": SCHEMAS["robot"],
+            "name": self.name,
+            "tool": self.tool,
+            "payload": None if payload is None else plain({key: getattr(payload, key) for key in _PAYLOAD}),
+            "joints": [
+                self._joint_document(j, place, axis) for j, (place, axis) in enumerate(zip(*self._axes(), strict=True))
+            ],
+            "limits_source": self.limits.source,
+            "notes": list(self.notes),
+        }
+
+    def _joint_document(self, j: int, place: Array, axis: Array) -> dict[str, Any]:
+        return {
+            "name": self.joint_names[j],
+            "is_prismatic": bool(self.is_prismatic[j]),
+            "is_continuous": bool(self.is_continuous[j]),
+            "origin": plain(place),
+            "axis": plain(axis),
+            "limits": {name: plain(getattr(self.limits, name)[j]) for name in QUANTITIES},
+            "actuator": plain({key: getattr(self.actuators[j], key) for key in _ACTUATOR}),
+        }
+
+    def _axes(self) -> tuple[Array, Array]:
+        """Origin and direction of each joint's axis in the world at zero, each of shape (n_joints, 3)."""
+        data = self.model.createData()
+        pin.computeJointJacobians(self.model, data, self.configurations(np.zeros((1, self.n_joints)))[0])
+        places, axes = [], []
+        for name, slides in zip(self.joint_names, self.is_prismatic, strict=True):
+            joint = self.model.getJointId(name)
+            column = pin.getJointJacobian(self.model, data, joint, pin.LOCAL_WORLD_ALIGNED)
+            direction = column[:, self.model.joints[joint].idx_v]
+            places.append(data.oMi[joint].translation)
+            axes.append(direction[:3] if slides else direction[3:])
+        return np.array(places), np.array(axes)
+
     def _repr_html_(self) -> str:
-        return robot_html(self)
+        return view.html(self.to_dict())
 
 
 def _instance(name: str, value: _Value, kind: type[_Value]) -> _Value:

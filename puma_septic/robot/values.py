@@ -9,6 +9,7 @@ import numpy as np
 
 from puma_septic.checks import Array, checked_array, checked_choice, checked_number
 from puma_septic.errors import InputError
+from puma_septic.quantities import MAGNITUDES
 
 __all__ = ["Actuator", "Limits", "Payload", "Wrench"]
 
@@ -96,7 +97,7 @@ class Limits:
             k = int(np.argmax(position[:, 0] >= position[:, 1]))
             raise InputError(f"position[{k}]: lower bound {position[k, 0]:g} is not below upper {position[k, 1]:g}")
         object.__setattr__(self, "position", position)
-        for name in ("velocity", "acceleration", "jerk", "effort"):
+        for name in MAGNITUDES:
             values = checked_array(name, getattr(self, name), (len(position),), allow_nan=True)
             if (values <= 0).any():
                 k = int(np.argmax(values <= 0))

@@ -6,7 +6,6 @@ from puma_septic.sizing.coupling import select_consistent, with_drive_masses
 from puma_septic.sizing.demands import Demands, Peak
 from puma_septic.sizing.gearbox import allowed_momentary_peaks, average_torque
 from puma_septic.sizing.loads import JointLoad, MotorLoad, joint_load, motor_load
-from puma_septic.sizing.outcome import SizingCheck
 from puma_septic.sizing.ratios import LoadMoments, RatioWindow, accelerating_factor, load_moments, ratio_window
 from puma_septic.sizing.result import MotorLoadProfile, Sizing
 from puma_septic.sizing.selection import Candidate, JointSelection
@@ -24,7 +23,6 @@ __all__ = [
     "RatioWindow",
     "Selection",
     "Sizing",
-    "SizingCheck",
     "accelerating_factor",
     "allowed_momentary_peaks",
     "average_torque",

@@ -3,20 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
+from dataclasses import dataclass
+from typing import Final, final
 
 import numpy as np
 
+from puma_septic.limit_check import Kind, LimitCheck
 from puma_septic.sizing.curves import torque_at_speed
 from puma_septic.sizing.demands import Demands, Peak
-from puma_septic.sizing.outcome import Kind, NotAssessed, Outcome, SizingCheck
 
-__all__ = ["assess_joint"]
+__all__ = ["NotAssessed", "Outcome", "assess_joint"]
 
 _SIEMENS: Final = "Siemens: SIMOVERT MASTERDRIVES MC compendium, p. 11-15"
 _HARMONIC: Final = "Harmonic Drive: engineering data HFUS-2A, p. 19"
 _HARMONIC_LIFE: Final = "Harmonic Drive: engineering data CSD-2A, p. 20"
 _SHEET: Final = "data sheet"
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class NotAssessed:
+    """A check that could not be made, and why."""
+
+    joint: str
+    quantity: str
+    reason: str
+
+
+Outcome = LimitCheck | NotAssessed
 
 
 def assess_joint(demands: Demands) -> tuple[Outcome, ...]:
@@ -30,7 +44,7 @@ def _held(
     """A check, unless demand or limit is unknown."""
     if np.isnan(limit) or np.isnan(peak.size):
         return NotAssessed(joint=demands.load.joint, quantity=quantity, reason=f"needs {needs}")
-    return SizingCheck(
+    return LimitCheck.of_magnitude(
         joint=demands.load.joint,
         quantity=quantity,
         demand=peak.size,

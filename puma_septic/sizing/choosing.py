@@ -8,9 +8,9 @@ from typing import Any, Final, final
 
 import numpy as np
 
-from puma_septic.assessment.texts import plain
 from puma_septic.checks import checked_choice
 from puma_septic.cycle import Cycle
+from puma_septic.document import SCHEMAS, plain
 from puma_septic.drives import Catalogue
 from puma_septic.errors import InputError
 from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_cycle, checked_drivetrains
@@ -19,15 +19,12 @@ from puma_septic.sizing.loads import joint_load
 from puma_septic.sizing.ratios import RatioWindow
 from puma_septic.sizing.result import Sizing, size
 from puma_septic.sizing.selection import RANKS, Candidate, JointSelection, Rank, select_joint
-from puma_septic.sizing.texts import check_document
-from puma_septic.tables import Cell, text_table
+from puma_septic.views.tables import Cell, text_table
 
-__all__ = ["SELECTION_SCHEMA", "Selection", "checked_rank", "select"]
+__all__ = ["Selection", "checked_rank", "select"]
 
 # A ratio beyond this is told as no bound: no gear train of a joint has one of the kind.
 _ANY_RATIO: Final = 1e6
-# Whatever changes in the layout of the document changes this.
-SELECTION_SCHEMA: Final = "puma-septic/selection/1"
 
 
 @final
@@ -81,7 +78,7 @@ class Selection:
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready document; SI units, "unbounded" for infinity, null for unknown."""
         return {
-            "schema": SELECTION_SCHEMA,
+            "schema": SCHEMAS["selection"],
             "robot": self.cycle.robot.name,
             "duration": self.cycle.duration,
             "rank": self.rank,
@@ -186,7 +183,7 @@ def _candidate_document(c: Candidate) -> dict[str, Any]:
         "mass": plain(c.mass),
         "cost": plain(c.cost),
         "margin": plain(c.margin),
-        "governing": None if c.governing is None else check_document(c.governing),
+        "governing": None if c.governing is None else c.governing.to_dict(),
         "optimal_ratio": None if window is None else plain(window.optimal),
         "ratio_window": None if window is None else [plain(window.least), plain(window.most)],
     }

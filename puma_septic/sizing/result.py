@@ -10,14 +10,16 @@ import numpy as np
 
 from puma_septic.checks import Array, checked_choice, checked_number
 from puma_septic.cycle import Cycle
+from puma_septic.document import SCHEMAS, plain
 from puma_septic.drives import Drivetrain, own_drivetrains
+from puma_septic.limit_check import LimitCheck, most_used_first
 from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_cycle, checked_drivetrains
 from puma_septic.sizing._positions import position_remarks
-from puma_septic.sizing.checks import assess_joint
+from puma_septic.sizing.checks import NotAssessed, Outcome, assess_joint
 from puma_septic.sizing.demands import Demands
 from puma_septic.sizing.loads import joint_load, motor_load
-from puma_septic.sizing.outcome import NotAssessed, Outcome, SizingCheck, most_used_first
-from puma_septic.sizing.texts import sizing_document, sizing_html, sizing_text
+from puma_septic.views import sizing as view
+from puma_septic.views.checks import verdict
 
 __all__ = ["MotorLoadProfile", "Sizing", "size"]
 
@@ -68,33 +70,40 @@ class Sizing:
         return tuple(outcome for demands in self.demands for outcome in assess_joint(demands))
 
     @property
-    def checks(self) -> tuple[SizingCheck, ...]:
+    def checks(self) -> tuple[LimitCheck, ...]:
         """Every known limit held against its demand, joint by joint."""
-        return tuple(outcome for outcome in self._outcomes if isinstance(outcome, SizingCheck))
+        return tuple(outcome for outcome in self._outcomes if isinstance(outcome, LimitCheck))
 
-    def joint_checks(self, joint: str) -> tuple[SizingCheck, ...]:
+    def joint_checks(self, joint: str) -> tuple[LimitCheck, ...]:
         """The checks of one joint, the most used limit first."""
         name = checked_choice("joint", joint, self.cycle.joint_names)
         return most_used_first(c for c in self.checks if c.joint == name)
 
     @property
-    def violations(self) -> tuple[SizingCheck, ...]:
+    def violations(self) -> tuple[LimitCheck, ...]:
         """The limits that are broken, the worst first; rules of thumb are in `warnings`."""
         return self._broken(thumb=False)
 
     @property
-    def warnings(self) -> tuple[SizingCheck, ...]:
+    def warnings(self) -> tuple[LimitCheck, ...]:
         """The rules of thumb that are not kept: unusual, but no reason to reject."""
         return self._broken(thumb=True)
 
-    def _broken(self, *, thumb: bool) -> tuple[SizingCheck, ...]:
+    def _broken(self, *, thumb: bool) -> tuple[LimitCheck, ...]:
         return most_used_first(c for c in self.checks if c.is_violated and (c.kind == "rule of thumb") == thumb)
 
     @property
-    def governing(self) -> SizingCheck | None:
+    def governing(self) -> LimitCheck | None:
         """The limit used most, rules of thumb apart; None where none is known."""
         binding = most_used_first(check for check in self.checks if check.kind != "rule of thumb")
         return binding[0] if binding else None
+
+    @property
+    def verdict(self) -> str:
+        """One sentence: strong enough or not, and the limit that governs."""
+        if not self.violations and not self.is_feasible:
+            return "not strong enough: a velocity steps, which takes unbounded torque"
+        return verdict(("strong enough", "not strong enough"), self.violations, self.governing)
 
     @property
     def is_feasible(self) -> bool:
@@ -147,13 +156,67 @@ class Sizing:
 
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready document; SI units unless a name says otherwise, "unbounded" for infinity, null for unknown."""
-        return sizing_document(self)
+        cycle = self.cycle
+        return {
+            "schema": SCHEMAS["sizing"],
+            "robot": cycle.robot.name,
+            "steps": len(cycle.steps),
+            "duration": cycle.duration,
+            "is_periodic": cycle.is_periodic,
+            "verdict": self.verdict,
+            "is_feasible": self.is_feasible,
+            "joints": [self._joint_document(demands) for demands in self.demands],
+            "violations": [check.to_dict() for check in self.violations],
+            "warnings": [check.to_dict() for check in self.warnings],
+            "governing": None if self.governing is None else self.governing.to_dict(),
+            "not_assessed": list(self.not_assessed),
+            "remarks": list(self.remarks),
+        }
+
+    def _joint_document(self, demands: Demands) -> dict[str, Any]:
+        train = demands.train
+        return {
+            "name": demands.load.joint,
+            "motor": train.motor.name,
+            "gearbox": train.gearbox.name,
+            "drive": train.drive.name,
+            **plain(_numbers(demands)),
+            "rms_by_cause": plain(demands.rms_by_cause),
+            "checks": [check.to_dict() for check in self.joint_checks(demands.load.joint)],
+        }
 
     def __str__(self) -> str:
-        return sizing_text(self)
+        return view.text(self.to_dict())
 
     def _repr_html_(self) -> str:
-        return sizing_html(self)
+        return view.html(self.to_dict())
+
+
+def _numbers(d: Demands) -> dict[str, float]:
+    """What a document has of each joint."""
+    given, returned = d.work
+    drawn, fed_back = d.electric_energy
+    return {
+        "peak_load_torque": d.peak_load_torque.size,
+        "peak_load_torque_time": d.peak_load_torque.time,
+        "average_load_torque": d.average_load_torque,
+        "peak_motor_torque": d.peak_torque.size,
+        "peak_motor_torque_time": d.peak_torque.time,
+        "rms_motor_torque": d.rms_torque,
+        "peak_motor_speed": d.peak_speed.size,
+        "mean_motor_speed": d.mean_speed,
+        "peak_motor_power": d.peak_power.size,
+        "work_given": given,
+        "work_returned": returned,
+        "peak_current": d.peak_current.size,
+        "rms_current": d.rms_current,
+        "energy_drawn": drawn,
+        "energy_returned": fed_back,
+        "energy_braked": d.regeneration.braked,
+        "winding_temperature_rise": d.peak_temperature_rise.size,
+        "inertia_ratio": d.inertia_ratio.size,
+        "expected_gearbox_life_hours": d.expected_life_hours,
+    }
 
 
 def size(cycle: Cycle, *, drivetrains: GivenDrivetrains | None = None) -> Sizing:

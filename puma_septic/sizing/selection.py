@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 
 from puma_septic.checks import Array, checked_choice
 from puma_septic.drives import Catalogue, Drivetrain
-from puma_septic.limit_check import AT_LIMIT
+from puma_septic.limit_check import AT_LIMIT, LimitCheck, most_used_first
 from puma_septic.sizing.bounds import utilisation_bounds
 from puma_septic.sizing.checks import assess_joint
 from puma_septic.sizing.demands import Demands
 from puma_septic.sizing.grids import LoadGrid, load_grid
 from puma_septic.sizing.loads import JointLoad, motor_load
-from puma_septic.sizing.outcome import SizingCheck, most_used_first
 from puma_septic.sizing.pairs import PairTable, pair_table
 from puma_septic.sizing.ratios import LoadMoments, RatioWindow, ratio_window
 
@@ -29,7 +28,7 @@ __all__ = ["RANKS", "Candidate", "JointSelection", "Rank", "select_joint"]
 Rank = Literal["mass", "cost", "margin"]
 RANKS: Final[tuple[Rank, ...]] = ("mass", "cost", "margin")
 _UNBOUNDED: Final = "unbounded torque (a velocity steps)"
-# A limit that is used by more than this is broken whatever the rounding, see `SizingCheck.is_violated`.
+# A limit that is used by more than this is broken whatever the rounding, see `LimitCheck.is_violated`.
 _CERTAIN: Final = 1 + 10 * AT_LIMIT
 
 
@@ -42,7 +41,7 @@ class Candidate:
     ----------
     demands : Demands
         With the drive train; see `Sizing`.
-    checks : tuple of SizingCheck
+    checks : tuple of LimitCheck
         All limits that are known, the most used first.
     mass, cost : float
         Of motor and gearbox; NaN: unknown.
@@ -52,7 +51,7 @@ class Candidate:
     """
 
     demands: Demands
-    checks: tuple[SizingCheck, ...]
+    checks: tuple[LimitCheck, ...]
     mass: float
     cost: float
     window: RatioWindow | None
@@ -73,7 +72,7 @@ class Candidate:
         return self.drivetrain.gearbox.name
 
     @property
-    def governing(self) -> SizingCheck | None:
+    def governing(self) -> LimitCheck | None:
         """The limit used most, rules of thumb apart; None where none is known."""
         return next((check for check in self.checks if check.kind != "rule of thumb"), None)
 
@@ -193,14 +192,14 @@ def assessed(grid: LoadGrid, table: PairTable, k: int) -> Candidate:
     demands = Demands(load=grid.load, train=train, motor=motor_load(grid.load, train))
     return Candidate(
         demands=demands,
-        checks=most_used_first(one for one in assess_joint(demands) if isinstance(one, SizingCheck)),
+        checks=most_used_first(one for one in assess_joint(demands) if isinstance(one, LimitCheck)),
         mass=train.motor.mass + train.gearbox.mass,
         cost=train.motor.cost + train.gearbox.cost,
         window=_window(demands, grid),
     )
 
 
-def _worst(candidate: Candidate) -> SizingCheck | None:
+def _worst(candidate: Candidate) -> LimitCheck | None:
     """The broken limit that is used most."""
     return next((c for c in candidate.checks if c.is_violated and c.kind != "rule of thumb"), None)
 

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final, Literal, final
+from typing import Literal, final
 
 import numpy as np
 
 from puma_septic.assessment import Assessment
-from puma_septic.assessment.checks import LimitCheck
+from puma_septic.limit_check import LimitCheck
 from puma_septic.piecewise import Piecewise
 
 __all__ = ["Flag", "flags_of"]
-
-_ORDERS: Final = {"position": 0, "velocity": 1, "acceleration": 2, "jerk": 3}
 
 
 @final
@@ -52,14 +50,13 @@ def flags_of(assessment: Assessment) -> tuple[Flag, ...]:
 
 
 def _text(check: LimitCheck) -> str:
-    quantity = "torque" if check.quantity == "effort" else check.quantity
     if np.isinf(check.demand):
-        return f"{check.joint}: {quantity} unbounded, {check.limit_text}"
-    if check.quantity == "position":
+        return f"{check.joint}: {check.label} unbounded, {check.limit_text}"
+    if check.is_range:
         beyond = f"{-check.margin:.3g} {check.unit} beyond its bound"
         return f"{check.joint}: position {check.demand:.4g} {check.unit}, {beyond}"
     return (
-        f"{check.joint}: {quantity} {check.demand:.4g} {check.unit}, {100 * check.utilisation:.0f} % of"
+        f"{check.joint}: {check.label} {check.demand:.4g} {check.unit}, {100 * check.utilisation:.0f} % of"
         f" {check.limit:.4g} {check.unit}"
     )
 
@@ -68,9 +65,9 @@ def _spans(assessment: Assessment, check: LimitCheck) -> tuple[tuple[float, floa
     """While the joint's quantity is beyond its bounds: from the roots of their difference, not from a grid."""
     motion = assessment.motion
     j = motion.robot.joint_index(check.joint)
-    whole = motion.torque if check.quantity == "effort" else motion.trajectory.derivative(_ORDERS[check.quantity])
+    whole = motion.signal(check.quantity)
     one = Piecewise(breaks=whole.breaks, coefficients=whole.coefficients[:, :, j : j + 1])
-    low, high = motion.robot.limits.position[j] if check.quantity == "position" else (-check.limit, check.limit)
+    low, high = motion.robot.limits.position[j] if check.is_range else (-check.limit, check.limit)
     excesses = [sign * (one - _constant(one, bound)) for sign, bound in ((1, high), (-1, low)) if np.isfinite(bound)]
     return tuple(sorted(span for excess in excesses for span in _positive(excess)))
 

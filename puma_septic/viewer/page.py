@@ -15,7 +15,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from puma_septic.assessment.texts import verdict
 from puma_septic.checks import Array
 from puma_septic.viewer.colours import GHOSTS, SOLID, SPEED, UTILISATION, as_hex
 from puma_septic.viewer.flags import Flag
@@ -99,7 +98,7 @@ def _motion_data(one: Shown, k: int) -> dict[str, Any]:
         "label": one.label,
         "robot": robot.name,
         "tool": robot.tool,
-        "verdict": verdict(one.assessment),
+        "verdict": one.assessment.verdict,
         "feasible": one.assessment.is_feasible,
         "colour": as_hex(SOLID if k == 0 else GHOSTS[(k - 1) % len(GHOSTS)]),
         "joints": list(robot.joint_names),

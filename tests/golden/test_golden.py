@@ -32,7 +32,7 @@ def test_what_is_written(name: str, request: pytest.FixtureRequest) -> None:
     path = _FILES / name
     if request.config.getoption("--update-golden"):
         if not path.exists() or not _is_same(name, written, path.read_text(encoding="utf-8")):
-            path.write_text(written, encoding="utf-8")
+            path.write_text(_folded(json.loads(written)) if name.endswith(".json") else written, encoding="utf-8")
         return
     golden = path.read_text(encoding="utf-8")
     _compare_files(name, written, golden)
@@ -44,7 +44,20 @@ def test_each_file_is_of_a_case() -> None:
 
 def _portable(text: str) -> str:
     """Without the version and the folder of the other arms, which are this machine's."""
-    return text.replace(str(ROBOTS), "ROBOTS").replace(f"puma-septic {ps.__version__}", "puma-septic VERSION")
+    for ours in (f"puma-septic {ps.__version__}", f'"version": "{ps.__version__}"'):
+        text = text.replace(ours, ours.replace(ps.__version__, "VERSION"))
+    return text.replace(str(ROBOTS), "ROBOTS")
+
+
+def _folded(value: Any, indent: str = "") -> str:
+    """JSON with a line for each mapping or list that holds no other."""
+    inner = list(value.values()) if isinstance(value, dict) else value
+    if not isinstance(inner, list) or not any(isinstance(item, (dict, list)) for item in inner):
+        return json.dumps(value, ensure_ascii=False)
+    keys = [f"{json.dumps(key)}: " for key in value] if isinstance(value, dict) else [""] * len(value)
+    lines = [f"{indent} {key}{_folded(item, indent + ' ')}" for key, item in zip(keys, inner, strict=True)]
+    start, end = "{}" if isinstance(value, dict) else "[]"
+    return f"{start}\n" + ",\n".join(lines) + f"\n{indent}{end}"
 
 
 def _structure(text: str) -> str:

@@ -1,0 +1,132 @@
+"""What every result becomes: a document of plain values, as JSON and CSV have them."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Iterable, Mapping
+from math import inf, isinf, isnan, nan
+from types import MappingProxyType
+from typing import Any, Final
+
+__all__ = ["SCHEMAS", "csv_text", "numeric", "plain", "to_json"]
+
+SCHEMAS: Final = MappingProxyType(
+    {
+        "assess": "puma-septic/assess/1",
+        "assess-log": "puma-septic/assess-log/1",
+        "assessment": "puma-septic/assessment/1",
+        "comparison": "puma-septic/comparison/1",
+        "ik": "puma-septic/ik/1",
+        "least-time": "puma-septic/least-time/1",
+        "optimisation": "puma-septic/optimisation/1",
+        "paper": "puma-septic/paper/1",
+        "pareto-front": "puma-septic/pareto-front/1",
+        "profiles": "puma-septic/profiles/1",
+        "robot": "puma-septic/robot/1",
+        "selection": "puma-septic/selection/1",
+        "sizing": "puma-septic/sizing/1",
+    }
+)
+"""The schema of each kind of document, described in docs/json.md.
+
+A key that is added keeps the number; one that is removed, renamed or means something else raises it.
+"""
+
+_UNBOUNDED: Final = "unbounded"
+# What a spreadsheet takes for the beginning of a formula, its full-width forms included: OWASP, "CSV Injection".
+_FORMULA: Final = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠")
+
+
+def plain(value: Any) -> Any:
+    """A number, an array or a mapping as JSON has it: infinity as "unbounded", what is not known as null.
+
+    Returns
+    -------
+    float, str, None, list or dict
+        Text is left as it is, keys too.
+
+    Examples
+    --------
+    >>> plain({"peak": (1.5, float("inf")), "limit": float("nan")})
+    {'peak': [1.5, 'unbounded'], 'limit': None}
+    """
+    if isinstance(value, str) or value is None:
+        return value
+    if isinstance(value, Mapping):
+        return {key: plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):  # an array, which this room need not load NumPy to know
+        value = value.tolist()
+    if isinstance(value, (tuple, list)):
+        return [plain(item) for item in value]
+    number = float(value)
+    if isnan(number):
+        return None
+    if isinf(number):
+        return _UNBOUNDED if number > 0 else f"-{_UNBOUNDED}"
+    return number
+
+
+def numeric(value: float | str | None) -> float:
+    """The number that `plain` wrote.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> numeric(plain(float("-inf"))), numeric(plain(0.5)), numeric(None)
+    (-inf, 0.5, nan)
+    """
+    if value is None:
+        return nan
+    if isinstance(value, str):
+        return {_UNBOUNDED: inf, f"-{_UNBOUNDED}": -inf}[value]
+    return float(value)
+
+
+def to_json(document: Mapping[str, Any]) -> str:
+    """JSON text with all digits of each number; NaN and Infinity, which JSON does not have, are a bug.
+
+    Returns
+    -------
+    str
+    """
+    return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def csv_text(rows: Iterable[Iterable[Any]]) -> str:
+    r"""Rows as CSV; what is not known (None) is left empty.
+
+    Text that a spreadsheet would take for a formula is marked as text by an apostrophe; a number written as text stays.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> csv_text([["joint", "margin"], ["=1+1", "-0.5"], ["elbow", None]])
+    "joint,margin\n'=1+1,-0.5\nelbow,\n"
+    """
+    stream = io.StringIO()
+    csv.writer(stream, lineterminator="\n").writerows([_cell(value) for value in row] for row in rows)
+    return stream.getvalue()
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, str) and value.startswith(_FORMULA) and not _is_number(value):
+        return f"'{value}"
+    return "" if value is None else value
+
+
+def _is_number(text: str) -> bool:
+    if text == f"-{_UNBOUNDED}":
+        return True
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return text == text.strip()

@@ -1,0 +1,181 @@
+"""An assessment's document as text, HTML and CSV."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from html import escape
+from math import isinf, isnan
+from typing import Any, Final
+
+from puma_septic.document import csv_text, numeric
+from puma_septic.limit_check import LimitCheck
+from puma_septic.quantities import MOTION, QUANTITIES, Quantity
+from puma_septic.views.checks import read_checks
+from puma_septic.views.tables import Cell, html_table, text_table
+
+__all__ = ["html", "metrics_csv", "tables", "text"]
+
+Document = Mapping[str, Any]
+
+_MOTION: Final = ("joint", *MOTION)
+# What a row of the CSV file has no place for.
+_NO_METRIC: Final = ("name", "is_prismatic", "checks", "margins")
+
+
+def text(document: Document) -> str:
+    """A table that a person reads, with verdict, violations and what is not known."""
+    rest = f", then {document['dwell']:g} s at rest" if document["dwell"] else ""
+    motion, effort = _joint_rows(document)
+    note = f"{_units(document)}; (use of the limit; ! marks a broken one)"
+    lines = [
+        _head(document, rest),
+        "",
+        text_table(_MOTION, motion),
+        "",
+        text_table(_effort_headers(document), effort),
+        note,
+        "",
+        _tool_text(document),
+    ]
+    for title, items in _lists(document).items():
+        lines += ["", f"{title}:", *(f"  {item}" for item in items)]
+    return "\n".join(lines)
+
+
+def html(document: Document) -> str:
+    """Verdict, tables and what is not known, for a notebook; every text is escaped."""
+    texts = [f"{title}: {'; '.join(items)}" for title, items in _lists(document).items()]
+    return "\n".join(
+        [
+            f"<p><strong>{escape(_head(document))}</strong></p>",
+            tables(document),
+            *(f"<p>{escape(line)}</p>" for line in [_tool_text(document), *texts]),
+        ]
+    )
+
+
+def tables(document: Document) -> str:
+    """What each joint does and needs, and what is left of its limits, as HTML tables in the boxes that scroll."""
+    motion, effort = _joint_rows(document)
+    quantities = _quantities(document)
+    margins = [[joint["name"], *(_margin(joint, quantity) for quantity in quantities)] for joint in document["joints"]]
+    parts = (
+        html_table(_MOTION, motion, caption=f"Peaks, and use of the limit. {_units(document)}"),
+        html_table(_effort_headers(document), effort, caption="Torque and energy, over the motion and its dwell"),
+        html_table(
+            ["joint", *(quantity.label for quantity in quantities)],
+            margins,
+            caption="Margins: what is left of the limit; for positions the distance to the nearer bound",
+        ),
+    )
+    return "\n".join(f'<div class="scroll" style="overflow-x:auto">{part}</div>' for part in parts)
+
+
+def metrics_csv(assessed: Sequence[tuple[str, str, Document]]) -> str:
+    """One row for each task, profile and joint, of the names of task and profile and a document."""
+    rows = []
+    for task, profile, document in assessed:
+        for joint in document["joints"]:
+            metrics = {key: value for key, value in joint.items() if key not in _NO_METRIC}
+            margins = {f"margin {quantity}": value for quantity, value in joint["margins"].items()}
+            rows.append({"task": task, "profile": profile, "joint": joint["name"], **metrics, **margins})
+    headers = list(dict.fromkeys(key for row in rows for key in row))
+    return csv_text([headers, *([row.get(key) for key in headers] for row in rows)])
+
+
+def _head(document: Document, rest: str = "") -> str:
+    return f"{document['robot']}, {document['profile']}, {document['duration']:g} s{rest}: {document['verdict']}"
+
+
+def _lists(document: Document) -> dict[str, list[str]]:
+    """What stands below the tables, where there is any."""
+    lists = {
+        "Limits broken": [str(check) for check in read_checks(document["violations"])],
+        "Not assessed": document["not_assessed"],
+        "Remarks": document["remarks"],
+    }
+    return {title: lines for title, lines in lists.items() if lines}
+
+
+def _units(document: Document) -> str:
+    units = "Peaks in rad, rad/s, rad/s^2, rad/s^3, N m; energies in J"
+    slides = any(joint["is_prismatic"] for joint in document["joints"])
+    return f"{units} (sliding joints: m and N)" if slides else units
+
+
+def _quantities(document: Document) -> list[Quantity]:
+    """Those that the document has margins of."""
+    return [QUANTITIES[name] for name in document["joints"][0]["margins"]]
+
+
+def _further(document: Document) -> list[Quantity]:
+    """What there is beside the motion and the torque, such as the torque's own rate."""
+    return [quantity for quantity in _quantities(document) if quantity.signal != "position" and quantity.order]
+
+
+def _effort_headers(document: Document) -> list[str]:
+    further = [f"{quantity.label} [{quantity.units[0]}]" for quantity in _further(document)]
+    return ["joint", "torque", "at [s]", "rms torque", *further, "energy in", "energy out"]
+
+
+def _joint_rows(document: Document) -> tuple[list[list[Cell]], list[list[Cell]]]:
+    """What each joint does and what it needs, in two tables, so that each fits on a page."""
+    motion: list[list[Cell]] = []
+    effort: list[list[Cell]] = []
+    further = _further(document)
+    for joint in document["joints"]:
+        checks = {check.quantity: check for check in read_checks(joint["checks"])}
+        motion.append([
+            joint["name"],
+            f"{joint['position_min']:.3f} .. {joint['position_max']:.3f}{_use(checks.get('position'))}",
+            *(_size(joint[f"peak_{name}"], checks.get(name)) for name in MOTION[1:]),
+        ])  # fmt: skip
+        torque = numeric(joint["peak_torque"]) * joint["peak_torque_sign"]
+        effort.append([
+            joint["name"],
+            _size(torque, checks.get("effort")),
+            f"{joint['peak_torque_time']:.3f}",
+            _size(joint["rms_torque"], None),
+            *(_size(joint[f"peak_{one.attribute}"], checks.get(one.name)) for one in further),
+            _size(joint["energy_in"], None),
+            _size(joint["energy_out"], None),
+        ])  # fmt: skip
+    return motion, effort
+
+
+def _size(value: float | str | None, check: LimitCheck | None) -> str:
+    size = value if isinstance(value, float) else numeric(value)
+    return ("unbounded" if isinf(size) else f"{size:.4g}") + _use(check)
+
+
+def _use(check: LimitCheck | None) -> str:
+    if check is None:
+        return ""
+    if isinf(check.utilisation):
+        return " (!)"
+    mark = "!" if check.is_violated else ""
+    return f" ({100 * check.utilisation:.0f} %{mark})"
+
+
+def _margin(joint: Document, quantity: Quantity) -> str:
+    value = numeric(joint["margins"][quantity.name])
+    if isnan(value):
+        return "not known"
+    if isinf(value):
+        return "none"
+    return f"{value:.3g} {quantity.unit(joint['is_prismatic'])}" if quantity.is_range else f"{100 * value:.0f} %"
+
+
+def _tool_text(document: Document) -> str:
+    tool = document["tool"]
+    acceleration, (low, high) = numeric(tool["peak_acceleration"]), tool["height_range"]
+    reached = "acceleration unbounded" if isinf(acceleration) else f"acceleration up to {acceleration:.3f} m/s^2"
+    parts = [
+        f"Tool {document['tool_frame']!r}: speed up to {tool['peak_speed']:.3f} m/s at {tool['peak_speed_time']:.3f} s,"
+        f" {reached}, height {low:.3f} to {high:.3f} m"
+    ]
+    for report in document["singularities"]:
+        if report["crossings"]:
+            times = ", ".join(f"{time:.3f}" for time in report["crossings"])
+            parts.append(f"Singularity {report['kind']!r}: crossed at {times} s")
+    return "\n".join(parts)

@@ -1,0 +1,90 @@
+"""Profiles of one task side by side: one row of a table for each assessment's document, and one sentence for all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import isinf
+from typing import Any, Final
+
+from puma_septic.document import numeric
+from puma_septic.limit_check import LimitCheck
+from puma_septic.views.checks import percent, read_checks
+from puma_septic.views.tables import Cell, html_table, text_table
+
+__all__ = ["html", "sentence", "text"]
+
+Document = Mapping[str, Any]
+
+_HEADERS: Final = ("profile", "verdict", "limit used most", "velocity", "torque")
+
+
+def text(documents: Sequence[Document], labels: Sequence[str]) -> str:
+    """One row for each profile."""
+    rows = [_row(document, label, "quantity") for label, document in zip(labels, documents, strict=True)]
+    return text_table([*_HEADERS, "jerk", "overshoot"], rows)
+
+
+def html(documents: Sequence[Document], labels: Sequence[str]) -> str:
+    """The same as a page has it."""
+    rows = [_row(document, label, "label") for label, document in zip(labels, documents, strict=True)]
+    caption = "Profiles side by side: the largest among the joints, velocity and torque in per cent of their limits"
+    table = html_table([*_HEADERS, "jerk [rad/s³]", "overshoot [rad]"], rows, caption=caption)
+    return f'<div class="scroll">{table}</div>'
+
+
+def sentence(documents: Sequence[Document], labels: Sequence[str]) -> str:
+    """Which profiles are feasible, and the joint, limit and instant that govern."""
+    good = [label for label, document in zip(labels, documents, strict=True) if document["is_feasible"]]
+    pairs = [(check, label) for label, one in zip(labels, documents, strict=True) for check in _checks(one)]
+    if not pairs:
+        return f"{_which(good, labels)}; no limit of this robot is known."
+    # Of profiles that share the worst, such as a point's position, the first: rounding does not choose.
+    check, label = max(pairs, key=lambda pair: float(f"{pair[0].utilisation:.9g}"))
+    whose = f" ({label})" if len(labels) > 1 else ""
+    return f"{_which(good, labels)}; what governs is {_governing(check)}{whose}."
+
+
+def _row(document: Document, label: str, name: str) -> list[Cell]:
+    governing = "none known"
+    if document["governing"] is not None:
+        worst = LimitCheck.from_dict(document["governing"])
+        governing = f"{worst.joint} {getattr(worst, name)} {percent(worst.utilisation)}"
+    return [
+        label,
+        "feasible" if document["is_feasible"] else "infeasible",
+        governing,
+        _most(document, "velocity"),
+        _most(document, "effort"),
+        *(max(numeric(joint[key]) for joint in document["joints"]) for key in ("peak_jerk", "overshoot")),
+    ]
+
+
+def _checks(document: Document) -> list[LimitCheck]:
+    return [check for joint in document["joints"] for check in read_checks(joint["checks"])]
+
+
+def _most(document: Document, quantity: str) -> str:
+    used = [check.utilisation for check in _checks(document) if check.quantity == quantity]
+    return percent(max(used)) if used else "not known"
+
+
+def _which(good: Sequence[str], labels: Sequence[str]) -> str:
+    if len(labels) == 1:
+        return f"{labels[0]} {'keeps every known limit' if good else 'does not keep the limits'}"
+    if len(good) == len(labels):
+        return f"All {len(labels)} profiles keep every known limit"
+    if not good:
+        return f"None of the {len(labels)} profiles keeps the limits"
+    others = [label for label in labels if label not in good]
+    return f"{', '.join(good)} keep{'s' if len(good) == 1 else ''} every known limit, {', '.join(others)} not"
+
+
+def _governing(check: LimitCheck) -> str:
+    """The joint, its demand, its limit and the instant."""
+    if isinf(check.demand):
+        return f"{check.joint}: {check.label} unbounded at {check.time:.3g} s, {check.limit_text}"
+    what = f"{check.joint}: {check.label} {check.demand:.4g} {check.unit} at {check.time:.3g} s"
+    if check.is_range:
+        side = "beyond" if check.is_violated else "within"
+        return f"{what}, {abs(check.margin):.3g} {check.unit} {side} its bound of {check.limit:.4g} {check.unit}"
+    return f"{what}, {percent(check.utilisation)} of its limit {check.limit:.4g} {check.unit}"

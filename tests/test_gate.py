@@ -344,6 +344,21 @@ def test_where_no_stretch_helps_it_is_said_why(puma: ps.Robot) -> None:
         ps.least_stretch(limited(puma), cubic)
 
 
+def test_a_torque_that_gravity_takes_to_its_limit_forbids_no_stretch(tmp_path: Path) -> None:
+    """From the horizontal, held by m g l = 9.81 N m, the limit itself, to hanging: only braking there breaks it.
+
+    A spare of 1e-9 that the search once kept took the horizontal, where the torque is at its limit at any speed, for a
+    reason that no stretch helps.
+    """
+    path = tmp_path / "p.urdf"
+    path.write_text(PENDULUM.format(effort=9.81))
+    move = ps.quintic_segments([[0.0], [-np.pi / 2]], [0.0, 0.3])
+    stretch = ps.least_stretch(ps.load_robot(path), move)
+    assert stretch.factor > 1.5
+    assert stretch.assessment.is_feasible
+    assert stretch.assessment.motion.torque(0.0)[0] == pytest.approx(9.81, rel=1e-14)
+
+
 def test_what_holds_is_left_alone(puma: ps.Robot) -> None:
     move = small_move(puma)
     stretch = ps.least_stretch(limited(puma), move)

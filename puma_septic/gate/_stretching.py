@@ -18,6 +18,7 @@ from puma_septic.checks import Array, checked_number
 from puma_septic.dynamics import smooth_torque
 from puma_septic.errors import NoSolution
 from puma_septic.gate._reasons import AT_REST
+from puma_septic.limit_check import AT_LIMIT
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
@@ -25,10 +26,8 @@ from puma_septic.trajectory import Trajectory
 
 __all__ = ["Stretch", "least_stretch", "stretched"]
 
-# What is left of each limit on purpose, so that rounding does not break it.
-_SPARE: Final = 1e-9
-# The exchange ends when the exact peak is within this of the limit: half of what is spared.
-_CLOSE: Final = 0.5 * _SPARE
+# The exchange ends where no exact peak is beyond its limit by more than this part of what a verdict lets pass.
+_CLOSE: Final = 0.25 * AT_LIMIT
 _MOST_EXCHANGES: Final = 50
 # Instants on each interval that the exchange starts from.
 _FIRST_NODES: Final = np.linspace(0.0, 1.0, 13)[1:-1]
@@ -141,7 +140,7 @@ def _kinematic_rate(assessment: Assessment) -> float:
     """The largest u = 1/k, at most 1, that velocity, acceleration and jerk limits allow."""
     limits, u = assessment.motion.robot.limits, 1.0
     for order, quantity in enumerate(("velocity", "acceleration", "jerk"), start=1):
-        demand, limit = getattr(assessment, f"peak_{quantity}"), getattr(limits, quantity) * (1 - _SPARE)
+        demand, limit = getattr(assessment, f"peak_{quantity}"), getattr(limits, quantity)
         over = demand > limit
         u = min([u, *(limit[over] / demand[over]) ** (1 / order)])
     return float(u)
@@ -149,7 +148,7 @@ def _kinematic_rate(assessment: Assessment) -> float:
 
 def _largest_rate(motion: Motion, u: float) -> float:
     """The largest rate, at most u, at which every torque is within its limit, by exchange."""
-    limit = motion.robot.limits.effort * (1 - _SPARE)
+    limit = motion.robot.limits.effort
     known = ~np.isnan(limit)
     parts = _parts(motion)
     rows = _first_rows(parts)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, final
@@ -21,6 +20,7 @@ _POINT_KEYS: Final = (*FIELDS, "time_from_start")
 _MESSAGE_KEYS: Final = ("header", "joint_names", "points")
 _CUT: Final = "..."  # what `ros2 topic echo` writes for the elements beyond its --truncate-length (128 by default)
 _NS: Final = 10**9
+_LARGEST: Final = 1e12  # rad, rad/s, rad/s^2, N m: far beyond any joint, and no square of it overflows
 _LONGEST: Final = 2**31  # builtin_interfaces/Duration holds the seconds in an int32
 
 
@@ -184,9 +184,9 @@ def _row(value: object, count: int, where: str, faults: list[Fault]) -> Array:
         return absent
     if isinstance(value, list) and value[-1] == _CUT:
         faults.append(_truncated(where))
-    elif not isinstance(value, list) or not all(map(_is_finite, value)):
-        bad = next((one for one in value if not _is_finite(one)), value) if isinstance(value, list) else value
-        faults.append(Fault(code="bad_value", message=f"{where}: finite numbers are expected, got {bad!r:.60}"))
+    elif not isinstance(value, list) or not all(map(_is_number, value)):
+        bad = next((one for one in value if not _is_number(one)), value) if isinstance(value, list) else value
+        faults.append(Fault(code="bad_value", message=f"{where}: numbers up to 1e12 are expected, got {bad!r:.60}"))
     elif len(value) != count:
         if count:  # joint_names themselves are missing otherwise, and said so
             text = f"{where} has {len(value)} values for {count} joints"
@@ -196,13 +196,9 @@ def _row(value: object, count: int, where: str, faults: list[Fault]) -> Array:
     return absent
 
 
-def _is_finite(value: object) -> bool:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return False
-    try:
-        return math.isfinite(value)
-    except OverflowError:  # an integer beyond any double
-        return False
+def _is_number(value: object) -> bool:
+    """A number that a joint may have; NaN and infinity are none."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= _LARGEST
 
 
 def _truncated(where: str) -> Fault:
@@ -212,7 +208,7 @@ def _truncated(where: str) -> Fault:
 
 def _nanoseconds(value: object, where: str, faults: list[Fault]) -> int:
     """A duration as {sec, nanosec} (ROS 2), {secs, nsecs} (ROS 1) or a number of seconds, in whole nanoseconds."""
-    if isinstance(value, (int, float)) and _is_finite(value) and abs(value) < _LONGEST:
+    if isinstance(value, (int, float)) and _is_number(value) and abs(value) < _LONGEST:
         return round(float(value) * _NS)
     if isinstance(value, Mapping):
         for whole, part in (("sec", "nanosec"), ("secs", "nsecs")):

@@ -17,6 +17,7 @@ SCHEMAS: Final = MappingProxyType(
         "assess": "puma-septic/assess/1",
         "assess-log": "puma-septic/assess-log/1",
         "assessment": "puma-septic/assessment/1",
+        "check": "puma-septic/check/1",
         "comparison": "puma-septic/comparison/1",
         "ik": "puma-septic/ik/1",
         "least-time": "puma-septic/least-time/1",

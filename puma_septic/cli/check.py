@@ -16,6 +16,7 @@ from puma_septic.checks import checked_number
 from puma_septic.cli.arguments import Answer
 from puma_septic.cli.tasks import asked_robot
 from puma_septic.cli.texts import wrapped
+from puma_septic.document import SCHEMAS, to_json
 from puma_septic.errors import InputError, NoSolution, PumaSepticError
 from puma_septic.files import sha256_of
 from puma_septic.gate import (
@@ -29,7 +30,6 @@ from puma_septic.gate import (
     fixed,
 )
 from puma_septic.quantities import QUANTITIES
-from puma_septic.report import to_json
 from puma_septic.robot import Payload, Robot, load_robot, robot_files
 from puma_septic.ros import (
     JointState,
@@ -45,7 +45,6 @@ from puma_septic.ros import (
 
 __all__ = ["run"]
 
-SCHEMA: Final = "puma-septic/check/1"
 EXIT_CODES: Final = {"ok": 0, "violated": 1, "invalid": 2, "undecided": 3}
 _JOINT_STATE: Final = "sensor_msgs/msg/JointState"
 
@@ -234,7 +233,7 @@ def _document(
 ) -> dict[str, Any]:
     verdict = max((one.check.verdict for one in results), key=VERDICTS.index)
     return {
-        "schema": SCHEMA,
+        "schema": SCHEMAS["check"],
         "version": __version__,
         "verdict": verdict,
         "exit_code": EXIT_CODES[verdict],

@@ -15,17 +15,15 @@ from puma_septic.assessment.checks import limit_checks
 from puma_septic.checks import Array, checked_array, checked_number
 from puma_septic.errors import ModelError
 from puma_septic.gate._reasons import AT_REST, DRIVE_VALUES, Reason, checked_allowances, verdict_of
-from puma_septic.gate._texts import check_document, check_text
-from puma_septic.quantities import MAGNITUDES, QUANTITIES
+from puma_septic.quantities import MAGNITUDES, MOTION, QUANTITIES
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
+from puma_septic.views import gate
 
 __all__ = ["START_TOLERANCE", "TrajectoryCheck", "check_trajectory"]
 
 START_TOLERANCE: Final = 0.01
 """rad (m): MoveIt's allowed_start_tolerance (trajectory_execution_manager.cpp, allowed_start_tolerance_ = 0.01)."""
-
-_ORDER: Final = {"velocity": 1, "acceleration": 2, "jerk": 3}
 
 
 @final
@@ -69,10 +67,15 @@ class TrajectoryCheck:
 
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready document; numbers in SI units, "unbounded" for infinity, null for what is not known."""
-        return check_document(self)
+        return {
+            "verdict": self.verdict,
+            "reasons": [reason.to_dict() for reason in self.reasons],
+            "margins": [margin.to_dict() for margin in self.margins],
+            "notes": list(self.notes),
+        }
 
     def __str__(self) -> str:
-        return check_text(self)
+        return gate.text(self.to_dict())
 
 
 def check_trajectory(
@@ -151,7 +154,7 @@ def check_trajectory(
 
 def _kinematic_checks(robot: Robot, trajectory: Trajectory) -> tuple[LimitCheck, ...]:
     """What needs no torque: position, velocity, acceleration and jerk."""
-    demands = {quantity: trajectory.peak(order) for quantity, order in _ORDER.items()}
+    demands = {name: trajectory.peak(order) for order, name in enumerate(MOTION) if order > 0}
     return limit_checks(robot, trajectory.extrema(0), demands)
 
 
@@ -252,15 +255,20 @@ def _start_mismatch(robot: Robot, trajectory: Trajectory, start: Array, toleranc
 
 def _finite_part(robot: Robot, trajectory: Trajectory, assessment: Assessment | None, check: LimitCheck) -> LimitCheck:
     """The check of what is demanded between the steps."""
-    if check.quantity == "effort":
-        assert assessment is not None  # else there is no check of an effort
+    quantity, j = QUANTITIES[check.quantity], robot.joint_names.index(check.joint)
+    function = trajectory.derivative(quantity.order)
+    if quantity.signal == "torque":
+        assert assessment is not None  # else there is no check of a torque
         function = assessment.motion.torque
-    else:
-        function = trajectory.derivative(_ORDER[check.quantity])
-    extrema, j = function.extrema(), robot.joint_names.index(check.joint)
-    demand = float(extrema.peak[j])
-    utilisation = demand / check.limit
-    return replace(check, demand=demand, time=float(extrema.t_peak[j]), utilisation=utilisation, margin=1 - utilisation)
+    extrema = function.extrema()
+    return LimitCheck.of_magnitude(
+        joint=check.joint,
+        quantity=check.quantity,
+        demand=float(extrema.peak[j]),
+        limit=check.limit,
+        unit=check.unit,
+        time=float(extrema.t_peak[j]),
+    )
 
 
 def _unbounded(check: LimitCheck, allowed: frozenset[str]) -> Reason:

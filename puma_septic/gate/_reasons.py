@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Final, final
+from typing import Any, Final, final
 
 import numpy as np
 
 from puma_septic.checks import checked_choice
+from puma_septic.document import plain
 from puma_septic.errors import InputError
 
 __all__ = [
@@ -98,6 +99,24 @@ class Reason:
     def verdict(self) -> str:
         """What it makes of the trajectory, were it not allowed."""
         return "violated" if self.code in _VIOLATED else "undecided" if self.code in _UNDECIDED else "invalid"
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready, with its verdict; null for what it does not have.
+
+        Returns
+        -------
+        dict
+        """
+        return {
+            "code": self.code,
+            "verdict": self.verdict,
+            "allowed": self.allowed,
+            "joint": self.joint,
+            "quantity": self.quantity,
+            **{key: plain(getattr(self, key)) for key in ("time", "demand", "limit")},
+            "unit": self.unit or None,
+            "message": self.message,
+        }
 
     def __str__(self) -> str:
         return f"{self.code}: {self.message}{' (allowed)' if self.allowed else ''}"

@@ -148,8 +148,11 @@ def _values(trajectory: Trajectory, times: Array, fields: int) -> list[Array]:
     """Positions, velocities and accelerations at times, rounding as 0; NaN for those that are not wanted."""
     values = [np.full((len(times), trajectory.n_joints), np.nan) for _ in range(3)]
     for order in range(fields):
-        at = trajectory(times, order)
-        largest = np.abs(trajectory.derivative(order).coefficients).sum(axis=0).max(axis=0)
+        # At the ends of the series: where an interval is short, the rounding of an instant in it is not.
+        function = trajectory.derivative(order).split(times)
+        left, right = function.ends()
+        at = np.concatenate([left, right[-1:]])
+        largest = np.abs(function.coefficients).sum(axis=0).max(axis=0)
         values[order] = np.where(np.abs(at) <= _ROUNDING * largest, 0.0, at)
     return values
 

@@ -425,6 +425,14 @@ def test_everything_that_is_wrong_is_told_at_once(puma: ps.Robot, tmp_path: Path
         ps.read_joint_trajectory(tmp_path / "move.json", puma)
 
 
+def test_faults_say_in_which_trajectory_they_are(puma: ps.Robot, tmp_path: Path) -> None:
+    late = {"joint_trajectory": change_point(time_from_start=0.0)}
+    plan = written(tmp_path, {"trajectory": [ROBOT_TRAJECTORY, late]})
+    [(code, text)] = faults(plan, puma)
+    assert code == "time_order"
+    assert text.startswith("trajectory 1, trajectory[1].joint_trajectory: points[1] at 0 s does not come after")
+
+
 @pytest.mark.parametrize(
     ("name", "content", "words"),
     [

@@ -66,7 +66,12 @@ class TrajectoryCheck:
         return max(self.margins, key=lambda check: check.utilisation, default=None)
 
     def to_dict(self) -> dict[str, Any]:
-        """A JSON-ready document; numbers in SI units, "unbounded" for infinity, null for what is not known."""
+        """A JSON-ready document; numbers in SI units, "unbounded" for infinity, null for what is not known.
+
+        Returns
+        -------
+        dict
+        """
         return {
             "verdict": self.verdict,
             "reasons": [reason.to_dict() for reason in self.reasons],

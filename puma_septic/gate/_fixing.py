@@ -54,6 +54,10 @@ def fixed(robot: Robot, planned: PlannedTrajectory, *, allow: Iterable[str] = ()
     effort : bool
         Fill the effort fields with the torque at the points; a controller without an effort interface rejects them.
 
+    Returns
+    -------
+    Fixed
+
     Raises
     ------
     NoSolution

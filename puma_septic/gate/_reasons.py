@@ -128,7 +128,17 @@ def verdict_of(reasons: Iterable[Reason]) -> str:
 
 
 def checked_allowances(allow: Iterable[str], quantities: tuple[str, ...]) -> frozenset[str]:
-    """Refuse what cannot be allowed: a misspelt word would be found out by a verdict, if at all."""
+    """Reasons to allow, refused where they cannot be: a misspelt word would be found out by a verdict, if at all.
+
+    Returns
+    -------
+    frozenset of str
+
+    Raises
+    ------
+    InputError
+        For what is no reason that can be allowed, with the valid ones.
+    """
     if isinstance(allow, str):
         raise InputError(f"allow: expected a list of reasons, got the text {allow!r}; write [{allow!r}]")
     allowed = frozenset(allow)

@@ -109,7 +109,12 @@ def _governing(assessment: Assessment) -> LimitCheck | None:
 
 
 def stretched(trajectory: Trajectory, factor: float) -> Trajectory:
-    """The same motion, `factor` times as long, from the same instant."""
+    """The same motion, `factor` times as long, from the same instant.
+
+    Returns
+    -------
+    Trajectory
+    """
     k = checked_number("factor", factor, above=0.0)
     start = trajectory.breaks[0]
     return replace(trajectory, position=trajectory.position.stretched(k), times=start + (trajectory.times - start) * k)

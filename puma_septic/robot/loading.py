@@ -113,7 +113,12 @@ def load_robot(
 
 
 def robot_files(source: str | Path = "puma560", *, actuators: str | Path | None = None) -> dict[str, Path]:
-    """The files that `load_robot` reads for a robot, meshes apart: "robot" and, where there is one, "actuators".
+    """The files that `load_robot` reads for a robot, meshes apart.
+
+    Returns
+    -------
+    dict of str to Path
+        "robot" and, where there is one, "actuators".
 
     Raises
     ------

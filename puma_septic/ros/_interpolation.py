@@ -81,6 +81,18 @@ def interpolated(
     Where the first point is later than 0 and a start is given, the motion begins there at 0, with the spline that
     the first point asks for: velocities that the start does not have are 0, accelerations always are, since a
     JointState has none. Without a start it begins at the first point, at its time.
+
+    Parameters
+    ----------
+    message : JointTrajectoryMessage
+    start : JointState or None
+        Joints in the message's order.
+    is_continuous : ndarray of bool, shape (n_joints,)
+        Joints that reach the first point by the nearest turn.
+
+    Returns
+    -------
+    Trajectory
     """
     bridged, rest_before = message, True
     if start is not None and message.nanoseconds[0] > 0:

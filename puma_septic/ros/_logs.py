@@ -49,6 +49,10 @@ def read_joint_state_log(path: str | PathLike[str], robot: Robot, *, topic: str 
     `fit_trajectory` makes a motion of them. Messages that do not have all joints of the robot, as a gripper's own,
     are left out and counted in the notes.
 
+    Returns
+    -------
+    JointStateLog
+
     Raises
     ------
     InputError

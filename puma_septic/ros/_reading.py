@@ -134,6 +134,16 @@ def read_joint_trajectories(
     ----------
     topic : str, optional
         Of a bag; needed where several topics have trajectories.
+
+    Returns
+    -------
+    tuple of PlannedTrajectory
+        In the file's order, at least one.
+
+    Raises
+    ------
+    JointTrajectoryError, InputError
+        As `read_joint_trajectory`; any fault of one trajectory is a fault of the file.
     """
     given = None if start is None else _as_state(start, robot)
     faults: list[Fault] = []
@@ -148,9 +158,12 @@ def read_joint_trajectories(
     several = len(found) > 1
     planned = []
     for k, one in enumerate(found):
-        origin = f"{path}, trajectory {k}" if several else str(path)
-        made = _planned(one, robot, given if k == 0 else None, faults)
+        own: list[Fault] = []
+        made = _planned(one, robot, given if k == 0 else None, own)
+        which = f"trajectory {k}" if several else ""
+        faults += _placed(own, ", ".join(filter(None, [which, one.where])))
         if made is not None:
+            origin = f"{path}, {which}" if several else str(path)
             planned.append(PlannedTrajectory(origin=origin, sha256=digest, **made))
     if faults:
         raise JointTrajectoryError(str(path), faults)
@@ -159,6 +172,11 @@ def read_joint_trajectories(
 
 def read_joint_state(path: str | PathLike[str]) -> JointState:
     """Read a sensor_msgs/JointState, as ``ros2 topic echo --once /joint_states`` prints it; YAML or JSON.
+
+    Returns
+    -------
+    JointState
+        All joints of the file.
 
     Raises
     ------
@@ -174,12 +192,27 @@ def read_joint_state(path: str | PathLike[str]) -> JointState:
 
 
 def is_bag(path: Path) -> bool:
-    """Whether a path names a recording: a folder of rosbag2, or an MCAP file."""
+    """Whether a path names a recording: a folder of rosbag2, or an MCAP file.
+
+    Returns
+    -------
+    bool
+    """
     return path.is_dir() or path.suffix == ".mcap"
 
 
 def recorded_topics(path: str | PathLike[str]) -> dict[str, str]:
-    """Message type of each topic of a recording, a rosbag2 folder or an MCAP file."""
+    """Message type of each topic of a recording, a rosbag2 folder or an MCAP file.
+
+    Returns
+    -------
+    dict of str to str
+
+    Raises
+    ------
+    InputError
+        For a recording that cannot be read.
+    """
     topics: dict[str, str] = bags().recorded_topics(Path(path))
     return topics
 
@@ -211,14 +244,11 @@ def _documents(path: Path, topic: str | None) -> tuple[Sequence[Any], str]:
 
 def _planned(found: Found, robot: Robot, given: JointState | None, faults: list[Fault]) -> dict[str, Any] | None:
     """The fields of a PlannedTrajectory but for its origin; None where it has faults, which are added."""
-    before = len(faults)
-    own: list[Fault] = []
-    raw = joint_trajectory_message(found.message, own)
-    faults += _placed(own, found.where)
+    raw = joint_trajectory_message(found.message, faults)
     if raw is None:
         return None
     message, notes = in_robot_order(raw, robot, faults)
-    if len(faults) > before:
+    if faults:
         return None
     start, told = _start(found, robot, given)
     notes += told
@@ -229,7 +259,7 @@ def _planned(found: Found, robot: Robot, given: JointState | None, faults: list[
         )
     if len(message.times) == 1 and (start is None or message.nanoseconds[0] == 0):
         text = "a single point, and no state to come from: a start state, and a time later than 0, are needed"
-        faults += _placed([Fault(code="start_unknown", message=text)], found.where)
+        faults.append(Fault(code="start_unknown", message=text))
         return None
     trajectory = interpolated(message, start, robot.is_continuous)
     return {"trajectory": trajectory, "message": message, "start": start, "notes": notes}

@@ -87,7 +87,18 @@ def write_joint_trajectory(
 
 
 def write_message(path: str | PathLike[str], message: JointTrajectoryMessage) -> Path:
-    """Write a message, YAML or JSON by the file's ending; nothing is overwritten."""
+    """Write a message, YAML or JSON by the file's ending; nothing is overwritten.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        For another ending, and a file that exists or cannot be written.
+    """
     target = Path(path)
     if target.suffix not in SUFFIXES:
         raise InputError(f"{target}: the name must end in {', '.join(SUFFIXES)}")

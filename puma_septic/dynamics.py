@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike
 
 from puma_septic.checks import Array
 from puma_septic.errors import InputError, ModelError
-from puma_septic.kinematics import forward_kinematics, jacobian
-from puma_septic.kinematics.chain import checked_joint_values
+from puma_septic.kinematics import checked_joint_values, forward_kinematics, jacobian
 from puma_septic.robot import Robot
 
 __all__ = [

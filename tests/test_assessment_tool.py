@@ -13,7 +13,7 @@ from test_motion import PROFILES, panda, paper, parabolic_blends, random_move, u
 
 import puma_septic as ps
 from puma_septic.assessment.tool import ToolMetrics
-from puma_septic.kinematics.singularity import singularity_distances, singularity_names
+from puma_septic.kinematics._singularity import singularity_distances, singularity_names
 
 # The squares of speed and acceleration are fitted to 1e-11 of their largest value.
 EXACT = 1e-9

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 import puma_septic as ps
 from puma_septic.kinematics import IkBatch, rtb_names
-from puma_septic.kinematics.chain import chain_to
-from puma_septic.kinematics.puma import CONFIGURATIONS, branch_values, puma_geometry
+from puma_septic.kinematics._chain import chain_to
+from puma_septic.kinematics._puma_branches import CONFIGURATIONS, branch_values, puma_geometry
 
 TURN = 2.0 * np.pi
 # T(qn): the eight solutions and whether they are inside MATLAB's joint limits (modulo a turn), by

@@ -10,9 +10,9 @@ from test_kinematics import BRANCHED, EXAMPLES
 from urdf_texts import load
 
 import puma_septic as ps
-from puma_septic.kinematics.chain import chain_to
-from puma_septic.kinematics.poses import checked_poses, pose_errors
-from puma_septic.kinematics.puma import puma_geometry
+from puma_septic.kinematics._chain import chain_to
+from puma_septic.kinematics._poses import checked_poses, pose_errors
+from puma_septic.kinematics._puma_branches import puma_geometry
 
 FINGERS = {"panda_finger_joint1": 0.04, "panda_finger_joint2": 0.04}
 

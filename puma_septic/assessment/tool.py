@@ -8,8 +8,7 @@ from typing import final
 import numpy as np
 
 from puma_septic.checks import Array, read_only
-from puma_septic.kinematics import tool_motion
-from puma_septic.kinematics.singularity import singularity_distances, singularity_names, singularity_zeros
+from puma_septic.kinematics import singularity_distances, singularity_names, singularity_zeros, tool_motion
 from puma_septic.motion import Motion
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
@@ -28,7 +27,7 @@ class SingularityReport:
     kind : str
         "shoulder", "elbow", "wrist" for a PUMA; "determinant" or "manipulability" otherwise.
     least_distance : float
-        Least magnitude of the measure (see `puma_septic.kinematics.singularity`), 0 where it is crossed.
+        Least magnitude of the measure (see `puma_septic.kinematics.singularity_distances`), 0 where it is crossed.
     time : float
         When, s.
     crossings : ndarray, shape (k,)

@@ -11,8 +11,7 @@ from puma_septic.cli.tasks import asked_robot, asked_task
 from puma_septic.cli.texts import wrapped
 from puma_septic.document import SCHEMAS
 from puma_septic.errors import InputError
-from puma_septic.kinematics import IkSolutions, rtb_names
-from puma_septic.kinematics.puma import CONFIGURATIONS
+from puma_septic.kinematics import CONFIGURATIONS, IkSolutions, rtb_names
 from puma_septic.report import to_json
 from puma_septic.robot import Robot
 from puma_septic.task import Posed, Task, make_task, solve_points

@@ -1,22 +1,31 @@
 """Kinematics: where the tool is, how it moves, and which joint positions put it somewhere."""
 
-from puma_septic.kinematics.forward import ToolMotion, forward_kinematics, jacobian, tool_motion
-from puma_septic.kinematics.inverse import (
+from puma_septic.kinematics._chain import chain_to, checked_joint_values
+from puma_septic.kinematics._forward import ToolMotion, forward_kinematics, jacobian, tool_motion
+from puma_septic.kinematics._inverse import (
     IkBatch,
     IkSolutions,
     inverse_kinematics,
     inverse_kinematics_batch,
     rtb_names,
 )
+from puma_septic.kinematics._puma_branches import CONFIGURATIONS
+from puma_septic.kinematics._singularity import singularity_distances, singularity_names, singularity_zeros
 
 __all__ = [
+    "CONFIGURATIONS",
     "IkBatch",
     "IkSolutions",
     "ToolMotion",
+    "chain_to",
+    "checked_joint_values",
     "forward_kinematics",
     "inverse_kinematics",
     "inverse_kinematics_batch",
     "jacobian",
     "rtb_names",
+    "singularity_distances",
+    "singularity_names",
+    "singularity_zeros",
     "tool_motion",
 ]

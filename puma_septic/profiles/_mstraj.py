@@ -49,7 +49,8 @@ def mstraj(
 
     Consequences in closed form: a via is missed by ``3/32 blend_time dv``, the interior blend's acceleration peaks at
     ``1.5 dv / blend_time`` and its jerk steps by ``6 dv / blend_time^2``; the first and last blend overspeed to
-    ``1.512 v``. Position, velocity and acceleration are continuous. With ``blend_time=0`` the velocity steps.
+    ``1.512 v``. Position, velocity and acceleration are continuous. With ``blend_time=0``, or one
+    below 1e-12 of the whole duration, which double precision does not resolve, the velocity steps.
 
     Parameters
     ----------

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from puma_septic.checks import Array, checked_choice, read_only
 from puma_septic.errors import NoSolution
-from puma_septic.kinematics import IkSolutions, inverse_kinematics
-from puma_septic.kinematics.puma import CONFIGURATIONS
+from puma_septic.kinematics import CONFIGURATIONS, IkSolutions, inverse_kinematics
 from puma_septic.robot import Robot
 
 __all__ = ["Branch", "Posed", "Waypoint", "best_branch", "branches_through"]

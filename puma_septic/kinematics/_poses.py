@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from puma_septic.checks import Array, checked_array
 from puma_septic.errors import InputError
-from puma_septic.kinematics.chain import cross
+from puma_septic.kinematics._chain import cross
 
 __all__ = ["checked_poses", "pose_errors"]
 

@@ -13,7 +13,7 @@ from typing import Final, final
 import numpy as np
 
 from puma_septic.checks import Array
-from puma_septic.kinematics.chain import Chain, cos_sin
+from puma_septic.kinematics._chain import Chain, cos_sin
 
 __all__ = [
     "CONFIGURATIONS",

@@ -10,18 +10,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from puma_septic.checks import Array, checked_array, checked_choice, checked_number, read_only
 from puma_septic.errors import InputError, ModelError, NoSolution
-from puma_septic.kinematics._wrapping import within
-from puma_septic.kinematics.chain import chain_to, checked_joint_values, end_frame
-from puma_septic.kinematics.closed_form import (
+from puma_septic.kinematics._chain import chain_to, checked_joint_values, end_frame
+from puma_septic.kinematics._least_squares import SOLVED, distinct, end_errors, is_singular, solve_from_starts
+from puma_septic.kinematics._poses import checked_poses
+from puma_septic.kinematics._puma_branches import CONFIGURATIONS, SINGULARITIES, PumaGeometry, puma_geometry
+from puma_septic.kinematics._puma_ik import (
     REACH_TOLERANCE,
     Branches,
     solve_branches,
     solve_in_blocks,
     why_out_of_reach,
 )
-from puma_septic.kinematics.numeric import SOLVED, distinct, end_errors, is_singular, solve_from_starts
-from puma_septic.kinematics.poses import checked_poses
-from puma_septic.kinematics.puma import CONFIGURATIONS, SINGULARITIES, PumaGeometry, puma_geometry
+from puma_septic.kinematics._wrapping import within
 from puma_septic.robot import Robot
 from puma_septic.views.tables import html_table
 

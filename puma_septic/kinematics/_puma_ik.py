@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from puma_septic.checks import Array
+from puma_septic.kinematics._chain import chain_to, end_frame
+from puma_septic.kinematics._least_squares import levenberg_marquardt
+from puma_septic.kinematics._puma_branches import JOINT_OF_ROW, PumaGeometry, branches, by_joint, into_reach
 from puma_septic.kinematics._wrapping import resting, wrapped
-from puma_septic.kinematics.chain import chain_to, end_frame
-from puma_septic.kinematics.numeric import levenberg_marquardt
-from puma_septic.kinematics.puma import JOINT_OF_ROW, PumaGeometry, branches, by_joint, into_reach
 from puma_septic.robot import Robot
 
 __all__ = ["REACH_TOLERANCE", "Branches", "solve_branches", "solve_in_blocks", "why_out_of_reach"]

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from puma_septic.checks import Array
 from puma_septic.errors import InputError
-from puma_septic.kinematics.chain import chain_to, checked_joint_values, cross, end_frame, frames
+from puma_septic.kinematics._chain import chain_to, checked_joint_values, cross, end_frame, frames
 from puma_septic.robot import Robot
 
 __all__ = ["ToolMotion", "forward_kinematics", "jacobian", "tool_motion"]

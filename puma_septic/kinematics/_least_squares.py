@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from puma_septic.checks import Array
+from puma_septic.kinematics._chain import Chain, chain_to, end_frame
+from puma_septic.kinematics._forward import jacobian_columns
+from puma_septic.kinematics._poses import pose_errors
 from puma_septic.kinematics._wrapping import resting, wrapped
-from puma_septic.kinematics.chain import Chain, chain_to, end_frame
-from puma_septic.kinematics.forward import jacobian_columns
-from puma_septic.kinematics.poses import pose_errors
 from puma_septic.robot import Robot
 
 __all__ = ["SOLVED", "distinct", "end_errors", "is_singular", "levenberg_marquardt", "solve_from_starts"]

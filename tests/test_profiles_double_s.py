@@ -241,3 +241,29 @@ def test_a_jerk_that_double_precision_does_not_resolve_is_refused() -> None:
         r" at t = 0 s, which double precision does not resolve in a motion of 0.5 s; lower max_jerk, or take profile",
     ):
         double_s([[0.0], [0.3]], max_velocity=1, max_acceleration=5, max_jerk=1e14, joint_names=["waist"])
+
+
+@pytest.mark.parametrize("max_jerk", [1e6, 1e7, 1e8, 1e9, 1e10])
+def test_without_a_limit_of_jerk_the_torque_is_that_of_constant_accelerations(max_jerk: float) -> None:
+    """Refused at 1e7 ("points and times meant?"); later joint 3 was charged no friction for its last nanoseconds, in
+    which it is slow because it stops, and its peak was 9.19 instead of 3.55 N m."""
+    points = np.array([[0, 0.6, -2.2, 0, 0.3, 0], [0.3, 0.7, -2.3, 0.1, 0.4, 0.1]])
+    robot = ps.load_robot()
+    move = double_s(points, max_velocity=1, max_acceleration=5, max_jerk=max_jerk)
+    # By hand: joint 1 accelerates with 5 rad/s^2 for 0.2 s, cruises and stops in 0.5 s; the others need no cruise and
+    # are stretched to it, with 4 h/T^2 for half of it.
+    breaks = np.array([0.0, 0.2, 0.25, 0.3, 0.5])
+    acceleration = np.array([[5.0, 1.6], [0.0, 1.6], [0.0, -1.6], [-5.0, -1.6]])
+    velocity = np.concatenate([[[0.0, 0.0]], np.cumsum(acceleration * np.diff(breaks)[:, None], axis=0)])
+    h = np.diff(breaks)[:, None]
+    powers = np.stack([np.zeros((4, 2)), velocity[:-1] * h, acceleration * h**2 / 2])
+    powers[0, 1:] = np.cumsum(powers[1] + powers[2], axis=0)[:-1]
+    along = powers[:, :, [0, 1, 1, 1, 1, 1]] * np.sign(np.diff(points, axis=0)[0])
+    along[0] += points[0]
+    limit = ps.Trajectory(
+        position=ps.Piecewise.from_power(breaks, along), points=points, times=breaks[[0, -1]], profile="bang_bang"
+    )
+    expected = ps.assess(robot, limit).peak_torque
+    assert expected[:3] == pytest.approx([50.76, 63.08, 3.55], abs=0.01)
+    # What the jerk takes is of the order of its time, 5 us of 0.5 s at most.
+    np.testing.assert_allclose(ps.assess(robot, move).peak_torque, expected, rtol=1e-4, atol=1e-4)

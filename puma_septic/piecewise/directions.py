@@ -20,6 +20,8 @@ REST_TIME: Final = 0.1
 a second; near a reversal or an end a joint that accelerates is this slow for a shorter time."""
 # While a joint rests it creeps slower than this many times STILL over the whole motion.
 _CREEP: Final = 10.0
+# Nor does it accelerate: at its acceleration it would travel by less than this many times STILL in the whole motion.
+_STEADY: Final = 1000.0
 # Samples within REST_TIME: rests are found to a tenth of it.
 _SAMPLES: Final = 10
 
@@ -31,7 +33,8 @@ def find_directions(position: Piecewise, resolution: Array) -> Piecewise:
     smaller reversals are none. Between two turning points the direction is the sign of the travel. It is 0
 
     - throughout, where a component never travels by more than its resolution;
-    - on an interval over which it creeps by less than `STILL`, and slower than `STILL` tenfold in the whole motion;
+    - on an interval over which it creeps by less than `STILL`, slower than `STILL` tenfold in the whole motion, and
+      does not accelerate;
     - where a resolution is given: wherever it stays within that for `REST_TIME` or longer.
 
     Parameters
@@ -97,7 +100,12 @@ def _recorded_rests(position: Piecewise, resolution: float) -> Array:
 
 
 def _creeping(position: Piecewise) -> NDArray[np.bool_]:
-    """Whether each component is at rest but for rounding on each interval, shape (n, m)."""
+    """Whether each component is at rest but for rounding on each interval, shape (n, m).
+
+    A short interval in which it comes to rest is none: there it is slow, but accelerates.
+    """
     travel = 2 * np.abs(position.coefficients[1:]).sum(axis=0)
     part = np.minimum(1.0, _CREEP * position.lengths / position.duration)
-    return np.asarray(travel <= STILL * part[:, None])
+    acceleration = np.abs(position.derivative().derivative().coefficients).sum(axis=0)
+    steady = acceleration * position.duration**2 <= _STEADY * STILL
+    return np.asarray((travel <= STILL * part[:, None]) & steady)

@@ -15,10 +15,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array
 from puma_septic.errors import InputError, ModelError
 from puma_septic.kinematics import checked_joint_values, forward_kinematics, jacobian
 from puma_septic.robot import Robot
+from puma_septic.validation import Array
 
 __all__ = [
     "TERMS",

@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from puma_septic.assessment import Assessment, assess
-from puma_septic.checks import Array, checked_choice
 from puma_septic.errors import InputError
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_choice
 
 __all__ = ["OBJECTIVES", "Candidate", "Objective", "checked_objectives", "interval_extremes", "non_dominated"]
 

@@ -11,12 +11,12 @@ from os import PathLike
 from numpy.typing import ArrayLike
 
 from puma_septic.assessment import Assessment, LimitCheck
-from puma_septic.checks import checked_choice
 from puma_septic.errors import InputError
 from puma_septic.gate import START_TOLERANCE, check_trajectory
 from puma_septic.quantities import QUANTITIES
 from puma_septic.robot import Robot
 from puma_septic.ros import read_joint_trajectories
+from puma_septic.validation import checked_choice
 from puma_septic.views.checks import unmet_text
 
 __all__ = ["assert_feasible", "assert_trajectory_ok"]

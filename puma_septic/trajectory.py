@@ -9,12 +9,12 @@ from typing import final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, checked_array, checked_times, read_only
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Extrema, Jumps, Piecewise
 from puma_septic.piecewise.directions import find_directions
 from puma_septic.piecewise.matrices import end_derivatives
 from puma_septic.quantities import MOTION
+from puma_septic.validation import Array, checked_array, checked_times, read_only
 
 __all__ = ["Trajectory"]
 

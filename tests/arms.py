@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 import puma_septic as ps
-from puma_septic.checks import Array
+from puma_septic.validation import Array
 
 # Written out in full: repr of a float is exact.
 LINK = """  <link name="{name}"><inertial><origin xyz="{com}"/><mass value="{mass!r}"/>

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 import puma_septic as ps
-from puma_septic.checks import Array
+from puma_septic.validation import Array
 
 Function = Callable[[Array], Array]
 GOLDEN = (np.sqrt(5) - 1) / 2

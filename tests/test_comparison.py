@@ -14,8 +14,8 @@ from hypothesis.extra.numpy import arrays
 from sampled import refined_peak
 
 import puma_septic as ps
-from puma_septic.checks import Array
 from puma_septic.objectives import OBJECTIVES, Candidate, interval_extremes, non_dominated
+from puma_septic.validation import Array
 
 # Table 1 and times of Raji, Asaolu, Akano, Joint Space Robot Arm Trajectory Planning Using Septic Function.
 POINTS = np.array(

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import puma_septic as ps
-from puma_septic.checks import Array
 from puma_septic.dynamics import smooth_torque
 from puma_septic.piecewise.directions import REST_TIME, STILL, find_directions
 from puma_septic.task import make_task
+from puma_septic.validation import Array
 
 BASE = np.array([0.0, 0.8, -2.5, 0.0, 0.4, 0.0])
 

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from sampled import quadrature, refined_peak, reversals, torque_with_friction
 
 import puma_septic as ps
-from puma_septic.checks import Array
 from puma_septic.dynamics import TERMS
+from puma_septic.validation import Array
 
 # Table 1 and times of Raji, Asaolu, Akano, rad and s.
 POINTS = np.array(

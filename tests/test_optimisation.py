@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 
 import puma_septic as ps
 from puma_septic import profiles
-from puma_septic.checks import Array
 from puma_septic.limit_check import AT_LIMIT
 from puma_septic.objectives import OBJECTIVES, Candidate
 from puma_septic.optimisation import ParetoFront
 from puma_septic.optimisation.structure import SQUARES, best_free_values, gradient_by_times
 from puma_septic.optimisation.variables import MakeTrajectory, checked_variables
+from puma_septic.validation import Array
 
 # Table 1 and times of Raji, Asaolu, Akano, Joint Space Robot Arm Trajectory Planning Using Septic Function.
 POINTS = np.array(

@@ -10,8 +10,8 @@ from arms import DRIVE, pendulum
 
 import puma_septic as ps
 from puma_septic import profiles
-from puma_septic.checks import Array
 from puma_septic.optimisation import LeastTime
+from puma_septic.validation import Array
 
 HOME = np.array([0.3, -0.5, 0.2, 0.1, 0.4, -0.3])
 # A first user's job: four points in joint space, 2.5 kg or 5 kg at the flange.

@@ -12,8 +12,8 @@ from urdf_texts import ARM, INERTIAL, load
 
 import puma_septic as ps
 from puma_septic import profiles
-from puma_septic.checks import Array
 from puma_septic.optimisation import OptimisedTimes
+from puma_septic.validation import Array
 
 HOME = np.array([0.3, -0.5, 0.2, 0.1, 0.4, -0.3])
 MAKES = (ps.septic, profiles.quintic_spline, profiles.septic_spline, profiles.quintic)

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from puma_septic.checks import Array
 from puma_septic.limit_check import LimitCheck
 from puma_septic.piecewise import Extrema
 from puma_septic.quantities import MAGNITUDES, QUANTITIES
 from puma_septic.robot import Robot
+from puma_septic.validation import Array
 
 __all__ = ["limit_checks", "unknown_values"]
 

@@ -8,12 +8,12 @@ from typing import TypedDict, final
 
 import numpy as np
 
-from puma_septic.checks import Array
 from puma_septic.dynamics import inverse_dynamics, mass_matrix
 from puma_septic.motion import Motion
 from puma_septic.piecewise import Jumps
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array
 
 __all__ = ["JointMetrics", "PowerMetrics", "joint_metrics", "power_metrics"]
 

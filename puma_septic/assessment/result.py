@@ -11,7 +11,6 @@ import numpy as np
 from puma_septic.assessment.checks import limit_checks, unknown_values
 from puma_septic.assessment.joints import PowerMetrics, holding_torque, joint_metrics, power_metrics
 from puma_septic.assessment.tool import ToolMetrics, tool_metrics
-from puma_septic.checks import Array, checked_choice, checked_number, read_only
 from puma_septic.document import SCHEMAS, plain
 from puma_septic.errors import InputError
 from puma_septic.limit_check import LimitCheck
@@ -20,6 +19,7 @@ from puma_septic.piecewise import Extrema
 from puma_septic.quantities import MAGNITUDES, QUANTITIES
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_choice, checked_number, read_only
 from puma_septic.views import assessment as view
 from puma_septic.views.checks import verdict
 

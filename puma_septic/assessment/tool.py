@@ -7,12 +7,12 @@ from typing import final
 
 import numpy as np
 
-from puma_septic.checks import Array, read_only
 from puma_septic.kinematics import singularity_distances, singularity_names, singularity_zeros, tool_motion
 from puma_septic.motion import Motion
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, read_only
 
 __all__ = ["SingularityReport", "ToolMetrics", "tool_metrics"]
 

@@ -12,7 +12,6 @@ import numpy as np
 
 import puma_septic
 from puma_septic import __version__
-from puma_septic.checks import checked_number
 from puma_septic.cli.arguments import Answer
 from puma_septic.cli.tasks import asked_robot
 from puma_septic.cli.texts import wrapped
@@ -42,6 +41,7 @@ from puma_septic.ros import (
     recorded_topics,
     write_message,
 )
+from puma_septic.validation import checked_number
 
 __all__ = ["run"]
 

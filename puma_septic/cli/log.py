@@ -10,7 +10,6 @@ import numpy as np
 
 from puma_septic._version import __version__
 from puma_septic.assessment import Assessment, assess
-from puma_septic.checks import Array
 from puma_septic.cli.arguments import Answer
 from puma_septic.cli.tasks import asked_robot
 from puma_septic.cli.texts import margin_text, wrapped
@@ -19,6 +18,7 @@ from puma_septic.errors import InputError
 from puma_septic.profiles.logged import JointLog, fit_residual, fit_trajectory, read_csv_trajectory
 from puma_septic.report import named_metrics_csv, new_folder, samples_csv, to_json
 from puma_septic.robot import Payload, Robot, load_robot
+from puma_septic.validation import Array
 from puma_septic.views.tables import number
 
 __all__ = ["run_log"]

@@ -10,7 +10,6 @@ from importlib import import_module
 from typing import Any
 
 from puma_septic import profiles as families
-from puma_septic.checks import Array
 from puma_septic.cli.arguments import Answer
 from puma_septic.cli.tasks import asked_task
 from puma_septic.errors import InputError
@@ -25,6 +24,7 @@ from puma_septic.optimisation import (
 from puma_septic.report import new_folder, to_json
 from puma_septic.task import ResolvedTask, Task, resolve_task
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array
 
 __all__ = ["run"]
 

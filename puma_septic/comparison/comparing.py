@@ -7,12 +7,12 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import checked_array, checked_number, checked_times
 from puma_septic.comparison.making import make_profiles
 from puma_septic.comparison.result import ComparedProfile, Comparison
 from puma_septic.errors import InputError
 from puma_septic.objectives import Candidate, checked_objectives
 from puma_septic.robot import Robot
+from puma_septic.validation import checked_array, checked_number, checked_times
 
 __all__ = ["compare"]
 

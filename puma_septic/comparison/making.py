@@ -8,10 +8,10 @@ from typing import Any, Final
 import numpy as np
 
 from puma_septic import profiles as families
-from puma_septic.checks import Array, checked_choice
 from puma_septic.errors import InputError
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_choice
 
 __all__ = ["make_profiles"]
 

@@ -11,10 +11,10 @@ from typing import Any, final
 import numpy as np
 
 from puma_septic.assessment import Assessment
-from puma_septic.checks import Array, checked_choice
 from puma_septic.document import SCHEMAS, plain
 from puma_septic.objectives import Objective, non_dominated
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_choice
 from puma_septic.views import comparison as view
 
 __all__ = ["ComparedProfile", "Comparison"]

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from puma_septic.assessment.joints import blows
-from puma_septic.checks import Array, checked_number
 from puma_septic.cycle.steps import Dwell, Stretch, check_join, check_steps, gaps, gravity, inertia, stretch
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.piecewise import Jumps, Piecewise
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_number
 
 __all__ = ["Cycle", "with_return"]
 

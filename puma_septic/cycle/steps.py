@@ -8,12 +8,12 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.checks import Array, checked_number
 from puma_septic.dynamics import inverse_dynamics, mass_matrix
 from puma_septic.errors import InputError
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Actuator, Payload, Robot
+from puma_septic.validation import Array, checked_number
 
 __all__ = ["Dwell", "Stretch", "check_join", "check_steps", "gaps", "gravity", "inertia", "stretch"]
 

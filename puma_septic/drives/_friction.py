@@ -8,9 +8,9 @@ from typing import final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, checked_array, checked_number
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
+from puma_septic.validation import Array, checked_array, checked_number
 
 __all__ = ["Friction"]
 

@@ -9,11 +9,11 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.checks import Array, checked_array
 from puma_septic.drives._friction import Friction
 from puma_septic.drives.drivetrain import Drivetrain
 from puma_septic.drives.values import Drive, Gearbox, Motor
 from puma_septic.errors import InputError
+from puma_septic.validation import Array, checked_array
 
 __all__ = ["Catalogue", "Pair"]
 

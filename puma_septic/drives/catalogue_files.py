@@ -10,13 +10,13 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from puma_septic.checks import checked_choice
 from puma_septic.drives._friction import Friction
 from puma_septic.drives.catalogue import Catalogue, Pair
 from puma_septic.drives.columns import GEARBOX, MOTOR, PAIR, Column, parsed_header
 from puma_septic.drives.values import Drive, Gearbox, Motor
 from puma_septic.errors import InputError, ModelError
 from puma_septic.robot.urdf_text import read_utf8
+from puma_septic.validation import checked_choice
 
 __all__ = ["BUILT_IN", "built_in_catalogue", "load_catalogue"]
 

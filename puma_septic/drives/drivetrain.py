@@ -7,10 +7,10 @@ from typing import final
 
 import numpy as np
 
-from puma_septic.checks import Array, checked_number
 from puma_septic.drives._friction import Friction
 from puma_septic.drives.values import ABSOLUTE_ZERO_CELSIUS, Drive, Gearbox, Motor
 from puma_septic.errors import InputError
+from puma_septic.validation import Array, checked_number
 
 __all__ = ["Drivetrain"]
 

@@ -9,8 +9,8 @@ from typing import Final, final
 
 import numpy as np
 
-from puma_septic.checks import Array, checked_array, checked_number
 from puma_septic.errors import InputError
+from puma_septic.validation import Array, checked_array, checked_number
 
 __all__ = ["ABSOLUTE_ZERO_CELSIUS", "Drive", "Gearbox", "Motor"]
 

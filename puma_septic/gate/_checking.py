@@ -12,12 +12,12 @@ from numpy.typing import ArrayLike
 
 from puma_septic.assessment import Assessment, LimitCheck, assess
 from puma_septic.assessment.checks import limit_checks
-from puma_septic.checks import Array, checked_array, checked_number
 from puma_septic.errors import ModelError
 from puma_septic.gate._reasons import AT_REST, DRIVE_VALUES, Reason, checked_allowances, verdict_of
 from puma_septic.quantities import MAGNITUDES, MOTION, QUANTITIES
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_array, checked_number
 from puma_septic.views import gate
 
 __all__ = ["START_TOLERANCE", "TrajectoryCheck", "check_trajectory"]

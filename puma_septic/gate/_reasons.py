@@ -8,9 +8,9 @@ from typing import Any, Final, final
 
 import numpy as np
 
-from puma_septic.checks import checked_choice
 from puma_septic.document import plain
 from puma_septic.errors import InputError
+from puma_septic.validation import checked_choice
 
 __all__ = [
     "ALLOWABLE",

@@ -14,7 +14,6 @@ from typing import Final, final
 import numpy as np
 
 from puma_septic.assessment import Assessment, LimitCheck, assess
-from puma_septic.checks import Array, checked_number
 from puma_septic.dynamics import smooth_torque
 from puma_septic.errors import NoSolution
 from puma_septic.gate._reasons import AT_REST
@@ -23,6 +22,7 @@ from puma_septic.motion import Motion, compute_motion
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_number
 
 __all__ = ["Stretch", "least_stretch", "stretched"]
 

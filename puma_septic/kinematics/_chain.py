@@ -15,9 +15,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from puma_septic.checks import Array, checked_array, checked_choice, read_only
 from puma_septic.errors import InputError, ModelError
 from puma_septic.robot import Robot
+from puma_septic.validation import Array, checked_array, checked_choice, read_only
 
 __all__ = ["Chain", "chain_to", "checked_joint_values", "cross", "end_frame", "frames"]
 

@@ -8,10 +8,10 @@ from typing import final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array
 from puma_septic.errors import InputError
 from puma_septic.kinematics._chain import chain_to, checked_joint_values, cross, end_frame, frames
 from puma_septic.robot import Robot
+from puma_septic.validation import Array
 
 __all__ = ["ToolMotion", "forward_kinematics", "jacobian", "tool_motion"]
 

@@ -8,7 +8,6 @@ from typing import final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from puma_septic.checks import Array, checked_array, checked_choice, checked_number, read_only
 from puma_septic.errors import InputError, ModelError, NoSolution
 from puma_septic.kinematics._chain import chain_to, checked_joint_values, end_frame
 from puma_septic.kinematics._least_squares import SOLVED, distinct, end_errors, is_singular, solve_from_starts
@@ -23,6 +22,7 @@ from puma_septic.kinematics._puma_ik import (
 )
 from puma_septic.kinematics._wrapping import within
 from puma_septic.robot import Robot
+from puma_septic.validation import Array, checked_array, checked_choice, checked_number, read_only
 from puma_septic.views.tables import html_table
 
 __all__ = ["IkBatch", "IkSolutions", "inverse_kinematics", "inverse_kinematics_batch", "rtb_names"]

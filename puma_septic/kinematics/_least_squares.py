@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.checks import Array
 from puma_septic.kinematics._chain import Chain, chain_to, end_frame
 from puma_septic.kinematics._forward import jacobian_columns
 from puma_septic.kinematics._poses import pose_errors
 from puma_septic.kinematics._wrapping import resting, wrapped
 from puma_septic.robot import Robot
+from puma_septic.validation import Array
 
 __all__ = ["SOLVED", "distinct", "end_errors", "is_singular", "levenberg_marquardt", "solve_from_starts"]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, checked_array
 from puma_septic.errors import InputError
 from puma_septic.kinematics._chain import cross
+from puma_septic.validation import Array, checked_array
 
 __all__ = ["checked_poses", "pose_errors"]
 

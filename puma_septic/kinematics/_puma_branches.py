@@ -12,8 +12,8 @@ from typing import Final, final
 
 import numpy as np
 
-from puma_septic.checks import Array
 from puma_septic.kinematics._chain import Chain, cos_sin
+from puma_septic.validation import Array
 
 __all__ = [
     "CONFIGURATIONS",

@@ -8,12 +8,12 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.checks import Array
 from puma_septic.kinematics._chain import chain_to, end_frame
 from puma_septic.kinematics._least_squares import levenberg_marquardt
 from puma_septic.kinematics._puma_branches import JOINT_OF_ROW, PumaGeometry, branches, by_joint, into_reach
 from puma_septic.kinematics._wrapping import resting, wrapped
 from puma_septic.robot import Robot
+from puma_septic.validation import Array
 
 __all__ = ["REACH_TOLERANCE", "Branches", "solve_branches", "solve_in_blocks", "why_out_of_reach"]
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from puma_septic.checks import Array
 from puma_septic.kinematics._chain import chain_to
 from puma_septic.kinematics._forward import jacobian
 from puma_septic.kinematics._puma_branches import SINGULARITIES, branch_values, puma_geometry
 from puma_septic.robot import Robot
+from puma_septic.validation import Array
 
 __all__ = ["singularity_distances", "singularity_names", "singularity_zeros"]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.checks import Array
 from puma_septic.robot import Robot
+from puma_septic.validation import Array
 
 __all__ = ["resting", "within", "wrapped"]
 

@@ -8,7 +8,6 @@ from typing import Final, final
 
 import numpy as np
 
-from puma_septic.checks import Array
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.objectives import Candidate, interval_extremes
 from puma_septic.optimisation._torque_cuts import least_duration
@@ -16,6 +15,7 @@ from puma_septic.optimisation.constraints import Excess
 from puma_septic.optimisation.problems import Setting
 from puma_septic.optimisation.searching import COARSE, KEPT, Problem
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array
 
 __all__ = ["Proportions", "needed_time"]
 

@@ -16,12 +16,12 @@ from typing import Final, final
 
 import numpy as np
 
-from puma_septic.checks import Array
 from puma_septic.dynamics import coulomb_torque, smooth_torque
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.motion import Motion
 from puma_septic.objectives import Candidate
 from puma_septic.optimisation.searching import KEPT
+from puma_septic.validation import Array
 
 __all__ = ["TorqueCuts", "least_duration", "torque_cuts"]
 

@@ -11,10 +11,10 @@ import numpy as np
 
 from puma_septic.assessment import LimitCheck
 from puma_septic.assessment.checks import limit_checks, unknown_values
-from puma_septic.checks import Array
 from puma_septic.objectives import Candidate
 from puma_septic.quantities import MOTION, QUANTITIES
 from puma_septic.robot import Robot
+from puma_septic.validation import Array
 
 __all__ = ["Verdict", "known_quantities", "verdict_of"]
 

@@ -7,12 +7,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, checked_array, checked_choice
 from puma_septic.errors import InputError
 from puma_septic.objectives import Candidate
 from puma_septic.piecewise import Extrema
 from puma_septic.quantities import QUANTITIES
 from puma_septic.robot import Robot
+from puma_septic.validation import Array, checked_array, checked_choice
 
 __all__ = ["Excess", "checked_quantities", "excess_function"]
 

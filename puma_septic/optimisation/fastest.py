@@ -10,7 +10,6 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, checked_array
 from puma_septic.document import SCHEMAS, plain
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.limit_check import AT_LIMIT
@@ -31,6 +30,7 @@ from puma_septic.optimisation.variables import MakeTrajectory
 from puma_septic.quantities import MOTION
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_array
 from puma_septic.views.tables import Cell, text_table
 
 __all__ = ["LeastTime", "least_time"]

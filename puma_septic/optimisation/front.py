@@ -11,7 +11,6 @@ from typing import Any, Final, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from puma_septic.checks import Array, read_only
 from puma_septic.document import SCHEMAS, plain
 from puma_septic.errors import InputError
 from puma_septic.objectives import Candidate, Objective, checked_objectives, non_dominated
@@ -28,6 +27,7 @@ from puma_septic.optimisation.searching import KEPT, Found, search
 from puma_septic.optimisation.variables import MakeTrajectory
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, read_only
 from puma_septic.views.tables import Cell, text_table
 
 __all__ = ["ParetoFront", "pareto_front"]

@@ -9,7 +9,6 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, checked_number
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.objectives import Candidate, Objective
 from puma_septic.optimisation._verdict import Verdict, verdict_of
@@ -19,6 +18,7 @@ from puma_septic.optimisation.structure import best_free_values
 from puma_septic.optimisation.variables import MakeTrajectory, Variables, checked_variables
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_number
 
 __all__ = ["Progress", "Setting", "best_kept", "checked_count", "checked_setting", "random_starts", "search_from"]
 

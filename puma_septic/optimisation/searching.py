@@ -9,9 +9,9 @@ from typing import Any, Final, final
 import numpy as np
 from scipy.optimize import minimize
 
-from puma_septic.checks import Array
 from puma_septic.errors import InputError
 from puma_septic.limit_check import AT_LIMIT
+from puma_septic.validation import Array
 
 __all__ = ["COARSE", "FINE", "KEPT", "Found", "Problem", "search"]
 

@@ -9,10 +9,10 @@ from typing import Final
 import numpy as np
 
 from puma_septic import profiles
-from puma_septic.checks import Array
 from puma_septic.optimisation.variables import MakeTrajectory
 from puma_septic.piecewise import Piecewise
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array
 
 __all__ = ["SQUARES", "best_free_values", "gradient_by_times"]
 

@@ -10,9 +10,9 @@ from typing import Any, Final, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, checked_array, checked_choice, checked_times
 from puma_septic.errors import InputError
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_array, checked_choice, checked_times
 
 __all__ = ["FREE", "MakeTrajectory", "Variables", "checked_variables"]
 

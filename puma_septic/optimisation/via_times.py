@@ -11,7 +11,6 @@ from typing import Any, Final, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array
 from puma_septic.document import SCHEMAS, plain
 from puma_septic.objectives import Objective, checked_objectives
 from puma_septic.optimisation._verdict import Verdict
@@ -29,6 +28,7 @@ from puma_septic.optimisation.structure import SQUARES, best_free_values, gradie
 from puma_septic.optimisation.variables import MakeTrajectory
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array
 from puma_septic.views.tables import Cell, text_table
 
 __all__ = ["OptimisedTimes", "optimise_via_times"]

@@ -10,7 +10,7 @@ from typing import Any, Final, Literal, final
 
 import numpy as np
 
-from puma_septic.checks import Array
+from puma_septic.validation import Array
 
 __all__ = ["VERDICTS", "Claim", "Verdict", "times_text", "verdict_of"]
 

@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 
 from puma_septic.assessment import Assessment
-from puma_septic.checks import Array
 from puma_septic.paper.claim import Claim, Verdict, times_text, verdict_of
 from puma_septic.paper.evidence import Evidence
+from puma_septic.validation import Array
 
 __all__ = ["claim_9", "claim_10", "claim_11", "claim_12", "claim_13"]
 

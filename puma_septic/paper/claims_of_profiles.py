@@ -6,10 +6,10 @@ from typing import Final
 
 import numpy as np
 
-from puma_septic.checks import Array
 from puma_septic.paper.claim import Claim, times_text, verdict_of
 from puma_septic.paper.evidence import Evidence
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array
 
 __all__ = ["claim_5", "claim_6", "claim_7", "claim_8"]
 

@@ -9,13 +9,13 @@ from typing import Final, final
 import numpy as np
 
 from puma_septic.assessment import Assessment, assess
-from puma_septic.checks import Array, read_only
 from puma_septic.kinematics import forward_kinematics, inverse_kinematics
 from puma_septic.paper.durations import LeastDuration, least_duration, median_seconds
 from puma_septic.paper.inputs import PaperInputs
 from puma_septic.profiles import lspb, quintic_segments, quintic_spline, septic
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, read_only
 
 __all__ = ["BASE_FRAME", "TIME_STEP", "TOOL_FRAME", "ComputingTimes", "Evidence", "gather"]
 

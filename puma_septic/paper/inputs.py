@@ -7,9 +7,9 @@ from typing import Final, final
 
 import numpy as np
 
-from puma_septic.checks import Array, checked_array, checked_choice, checked_number, checked_times
 from puma_septic.errors import InputError
 from puma_septic.kinematics import CONFIGURATIONS
+from puma_septic.validation import Array, checked_array, checked_choice, checked_number, checked_times
 
 __all__ = ["PAPER", "POINTS", "PaperInputs"]
 

@@ -9,13 +9,13 @@ from typing import Any, Final, final
 
 import numpy as np
 
-from puma_septic.checks import Array, checked_number
 from puma_septic.document import SCHEMAS, plain
 from puma_septic.paper import claims_of_motion, claims_of_points, claims_of_profiles
 from puma_septic.paper.claim import Claim
 from puma_septic.paper.evidence import TIME_STEP, Evidence, gather
 from puma_septic.paper.inputs import PAPER, POINTS, PaperInputs
 from puma_septic.robot import Robot, load_robot
+from puma_septic.validation import Array, checked_number
 from puma_septic.views.tables import Cell, text_table
 
 __all__ = ["PaperReport", "reproduce"]

@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.checks import Array
 from puma_septic.piecewise.function import Piecewise
+from puma_septic.validation import Array
 
 __all__ = ["REST_TIME", "STILL", "find_directions"]
 

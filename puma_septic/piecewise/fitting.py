@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.checks import Array
 from puma_septic.errors import PumaSepticError
 from puma_septic.piecewise import matrices
+from puma_septic.validation import Array
 
 __all__ = ["fit_series"]
 

@@ -9,12 +9,12 @@ from typing import ClassVar, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from puma_septic.checks import Array, checked_array, checked_times, read_only
 from puma_septic.errors import InputError, PumaSepticError
 from puma_septic.piecewise import matrices
 from puma_septic.piecewise.fitting import fit_series
 from puma_septic.piecewise.results import Extrema, Jumps
 from puma_septic.piecewise.search import find_extrema, find_sign_changes
+from puma_septic.validation import Array, checked_array, checked_times, read_only
 
 __all__ = ["Piecewise"]
 

@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from puma_septic.checks import Array
+from puma_septic.validation import Array
 
 __all__ = [
     "basis_at",

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from puma_septic.checks import Array
+from puma_septic.validation import Array
 
 __all__ = ["Extrema", "Jumps"]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from puma_septic.checks import Array
 from puma_septic.piecewise.function import Piecewise
+from puma_septic.validation import Array
 
 __all__ = ["sampled"]
 

@@ -22,8 +22,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.checks import Array
 from puma_septic.piecewise import matrices
+from puma_septic.validation import Array
 
 __all__ = ["find_extrema", "find_sign_changes"]
 

@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from puma_septic.assessment import Assessment
-from puma_septic.checks import Array
 from puma_septic.errors import InputError
 from puma_septic.plots.style import (
     LIMIT,
@@ -28,6 +27,7 @@ from puma_septic.plots.style import (
     unique_labels,
 )
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array
 
 __all__ = ["plot_joints", "plot_trajectory"]
 

@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from puma_septic.checks import Array
 from puma_septic.errors import InputError
 from puma_septic.limit_check import LimitCheck
 from puma_septic.plots.style import (
@@ -25,6 +24,7 @@ from puma_septic.plots.style import (
     tidy,
 )
 from puma_septic.sizing import Demands, Sizing
+from puma_septic.validation import Array
 
 __all__ = [
     "plot_ratio_sweep",

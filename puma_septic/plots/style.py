@@ -14,9 +14,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from puma_septic.checks import Array
 from puma_septic.errors import InputError
 from puma_septic.piecewise import sampled
+from puma_septic.validation import Array
 
 __all__ = [
     "DPI",

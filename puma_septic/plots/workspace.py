@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from puma_septic.assessment import Assessment
-from puma_septic.checks import Array
 from puma_septic.kinematics import forward_kinematics
 from puma_septic.plots.joints import VIA, via_handle
 from puma_septic.plots.style import (
@@ -22,6 +21,7 @@ from puma_septic.plots.style import (
     titled,
     unique_labels,
 )
+from puma_septic.validation import Array
 
 __all__ = ["plot_workspace"]
 

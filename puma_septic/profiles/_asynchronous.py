@@ -9,8 +9,8 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise
+from puma_septic.validation import Array
 
 __all__ = ["Phases", "side_by_side"]
 

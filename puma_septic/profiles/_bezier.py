@@ -8,12 +8,12 @@ from math import comb
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise, matrices
 from puma_septic.profiles._info import BIAGIOTTI, SMOOTH, ProfileInfo
 from puma_septic.profiles._integration import integrated
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array
 
 __all__ = ["BEZIER", "bezier"]
 

@@ -8,13 +8,13 @@ from math import comb
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, checked_array
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
 from puma_septic.profiles._asynchronous import Phases, side_by_side
 from puma_septic.profiles._info import BIAGIOTTI, ProfileInfo
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_array
 
 __all__ = ["POLYNOMIAL_BLENDS", "TRAPEZOIDAL", "polynomial_blends", "trapezoidal"]
 

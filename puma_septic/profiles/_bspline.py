@@ -8,13 +8,13 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise, matrices
 from puma_septic.profiles._info import BIAGIOTTI, ProfileInfo
 from puma_septic.profiles._segments import at_ends, solve_segments, through
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array
 
 __all__ = ["BSPLINE", "BSPLINE_CONTROL", "bspline", "bspline_control"]
 

@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array
 from puma_septic.errors import InputError
 from puma_septic.profiles._asynchronous import Phases, side_by_side
 from puma_septic.profiles._info import BIAGIOTTI, ProfileInfo
 from puma_septic.profiles._vias import Vias, boundary, checked_points, joint_labels, named
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array
 
 __all__ = ["DOUBLE_S", "double_s"]
 

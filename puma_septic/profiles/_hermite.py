@@ -9,12 +9,12 @@ from math import perm
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise
 from puma_septic.piecewise.matrices import from_power_matrix
 from puma_septic.profiles._info import BIAGIOTTI, ProfileInfo
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array
 
 __all__ = ["CLASSIC_SEPTIC", "CUBIC", "classic_septic", "cubic", "from_boundary_values"]
 

@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array
 from puma_septic.errors import PumaSepticError
 from puma_septic.piecewise import Piecewise, matrices
+from puma_septic.validation import Array
 
 __all__ = ["integrated", "smooth_series"]
 

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, checked_array, checked_number
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
 from puma_septic.profiles._info import ProfileInfo
 from puma_septic.profiles._quintic import quintic_powers
 from puma_septic.profiles._vias import Vias, boundary, checked_points
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_array, checked_number
 
 __all__ = ["LSPB", "lspb", "mstraj"]
 

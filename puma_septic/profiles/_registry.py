@@ -10,10 +10,10 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import checked_choice, checked_times
 from puma_septic.errors import InputError
 from puma_septic.profiles._info import ProfileInfo
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import checked_choice, checked_times
 
 __all__ = ["Family", "Registry"]
 

@@ -15,12 +15,12 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise
 from puma_septic.profiles._info import BIAGIOTTI, ProfileInfo
 from puma_septic.profiles._integration import integrated, smooth_series
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array
 
 __all__ = [
     "BANG_BANG",

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from puma_septic.checks import Array, read_only
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise, matrices
+from puma_septic.validation import Array, read_only
 
 __all__ = ["ALLOWED_DOUBT", "Condition", "at_ends", "ill_conditioned", "refined", "solve_segments", "through"]
 

@@ -8,13 +8,13 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, read_only
 from puma_septic.piecewise import Piecewise
 from puma_septic.piecewise.matrices import end_derivatives, signs
 from puma_septic.profiles._info import PAPER, SMOOTH, ProfileInfo
 from puma_septic.profiles._segments import ALLOWED_DOUBT, ill_conditioned, refined
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, read_only
 
 __all__ = ["SINGLE_POLYNOMIAL", "single_polynomial", "through_all"]
 

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, checked_array
 from puma_septic.errors import InputError
 from puma_septic.profiles._info import BIAGIOTTI, ProfileInfo
 from puma_septic.profiles._segments import at_ends, solve_segments, through
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_array
 
 __all__ = [
     "CUBIC_SPLINE",

@@ -8,13 +8,13 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, checked_number
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
 from puma_septic.profiles._hermite import from_boundary_values
 from puma_septic.profiles._info import ProfileInfo
 from puma_septic.profiles._integration import integrated, smooth_series
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_number
 
 __all__ = ["TRIGONOMETRIC_SPLINE", "trigonometric_spline"]
 

@@ -9,10 +9,10 @@ from typing import final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, checked_array, checked_times
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_array, checked_times
 
 __all__ = ["Vias", "boundary", "checked_points", "joint_labels", "named"]
 

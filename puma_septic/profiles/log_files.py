@@ -11,8 +11,8 @@ from typing import final
 
 import numpy as np
 
-from puma_septic.checks import Array, checked_number, read_only
 from puma_septic.errors import InputError
+from puma_septic.validation import Array, checked_number, read_only
 
 __all__ = ["JointLog", "read_csv_trajectory"]
 

@@ -19,13 +19,13 @@ from scipy.linalg import solve_banded
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import spsolve
 
-from puma_septic.checks import Array, checked_array
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
 from puma_septic.profiles._quintic import quintic
 from puma_septic.profiles._vias import Vias
 from puma_septic.profiles.log_files import JointLog, read_csv_trajectory
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_array
 
 __all__ = ["FitResidual", "JointLog", "fit_residual", "fit_trajectory", "read_csv_trajectory"]
 

@@ -11,7 +11,7 @@ from typing import Final, Literal, final
 
 import numpy as np
 
-from puma_septic.checks import Array
+from puma_septic.validation import Array
 
 __all__ = ["BOX", "SIZE", "Chart", "Curve", "Mark", "chart", "ticks"]
 

@@ -9,12 +9,12 @@ from typing import Final, final
 import numpy as np
 
 from puma_septic.assessment import Assessment
-from puma_septic.checks import Array
 from puma_septic.dynamics import TERMS
 from puma_septic.kinematics import forward_kinematics, tool_motion
 from puma_septic.piecewise import Piecewise, sampled
 from puma_septic.quantities import MOTION, QUANTITIES
 from puma_septic.report.charts import Chart, Curve, Mark, chart
+from puma_septic.validation import Array
 
 __all__ = [
     "Bar",

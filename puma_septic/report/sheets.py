@@ -8,12 +8,12 @@ from typing import Final
 import numpy as np
 
 from puma_septic.assessment import Assessment
-from puma_septic.checks import Array
 from puma_septic.document import csv_text
 from puma_septic.piecewise import Piecewise
 from puma_septic.quantities import MOTION, QUANTITIES
 from puma_septic.report.documents import profile_labels
 from puma_septic.task import ResolvedTask
+from puma_septic.validation import Array
 from puma_septic.views.assessment import metrics_csv as metrics
 
 __all__ = ["metrics_csv", "named_metrics_csv", "samples_csv"]

@@ -9,11 +9,11 @@ from typing import Any, final
 
 import numpy as np
 
-from puma_septic.checks import Array, checked_array, checked_choice
 from puma_septic.errors import InputError, ModelError
 from puma_septic.quantities import MAGNITUDES, QUANTITIES
 from puma_septic.robot.toml_text import read_toml, table
 from puma_septic.robot.values import Actuator, Limits
+from puma_septic.validation import Array, checked_array, checked_choice
 
 __all__ = ["ActuatorFile", "ParameterSet", "read_actuator_file"]
 

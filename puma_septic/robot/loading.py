@@ -11,7 +11,6 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, checked_array, checked_choice, checked_number
 from puma_septic.errors import InputError, ModelError
 from puma_septic.robot.actuator_file import ActuatorFile, ParameterSet, read_actuator_file
 from puma_septic.robot.meshes import confined_geometry
@@ -21,6 +20,7 @@ from puma_septic.robot.urdf_checks import Urdf, checked_urdf
 from puma_septic.robot.urdf_schema import vector
 from puma_septic.robot.urdf_text import read_urdf
 from puma_septic.robot.values import Actuator, Limits
+from puma_septic.validation import Array, checked_array, checked_choice, checked_number
 
 __all__ = ["load_robot", "robot_files"]
 

@@ -9,12 +9,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from puma_septic.checks import Array, checked_array, checked_choice, read_only
 from puma_septic.document import SCHEMAS, plain
 from puma_septic.errors import InputError
 from puma_septic.quantities import QUANTITIES
 from puma_septic.robot.meshes import Geometry
 from puma_septic.robot.values import Actuator, Limits, Payload, Wrench
+from puma_septic.validation import Array, checked_array, checked_choice, read_only
 from puma_septic.views import robot as view
 
 __all__ = ["Robot"]

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 import pinocchio as pin
 
-from puma_septic.checks import Array
 from puma_septic.errors import ModelError
 from puma_septic.robot.urdf_checks import Urdf
 from puma_septic.robot.urdf_schema import vector
+from puma_septic.validation import Array
 
 __all__ = ["check_complete", "check_inertia", "massless_notes"]
 

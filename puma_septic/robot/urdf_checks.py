@@ -7,11 +7,11 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import final
 
-from puma_septic.checks import checked_choice
 from puma_septic.errors import ModelError
 from puma_septic.robot.urdf_physics import MOVING_KINDS, joint_notes, link_notes
 from puma_septic.robot.urdf_schema import check_schema
 from puma_septic.robot.urdf_text import UrdfText
+from puma_septic.validation import checked_choice
 
 __all__ = ["Urdf", "UrdfJoint", "checked_urdf"]
 

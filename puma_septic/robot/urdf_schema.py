@@ -10,8 +10,8 @@ from difflib import get_close_matches
 
 import numpy as np
 
-from puma_septic.checks import Array
 from puma_septic.robot.urdf_text import UrdfText
+from puma_septic.validation import Array
 
 __all__ = ["check_schema", "vector"]
 

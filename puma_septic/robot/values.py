@@ -7,9 +7,9 @@ from typing import Literal, final
 
 import numpy as np
 
-from puma_septic.checks import Array, checked_array, checked_choice, checked_number
 from puma_septic.errors import InputError
 from puma_septic.quantities import MAGNITUDES
+from puma_septic.validation import Array, checked_array, checked_choice, checked_number
 
 __all__ = ["Actuator", "Limits", "Payload", "Wrench"]
 

@@ -13,12 +13,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
 from puma_septic.ros._faults import Fault
 from puma_septic.ros._message import JointState, JointTrajectoryMessage
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array
 
 __all__ = ["in_robot_order", "interpolated", "spline_powers", "unwrapped_start"]
 

@@ -9,11 +9,11 @@ from typing import Any, Final, final
 
 import numpy as np
 
-from puma_septic.checks import Array
 from puma_septic.errors import InputError
 from puma_septic.robot import Robot
 from puma_septic.ros._message import joint_state
 from puma_septic.ros._reading import bags
+from puma_septic.validation import Array
 
 __all__ = ["JointStateLog", "read_joint_state_log"]
 

@@ -9,9 +9,9 @@ from typing import Any, Final, final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.checks import Array, read_only
 from puma_septic.errors import InputError
 from puma_septic.ros._faults import Fault
+from puma_septic.validation import Array, read_only
 
 __all__ = ["FIELDS", "JointState", "JointTrajectoryMessage", "joint_state", "joint_trajectory_message"]
 

@@ -13,7 +13,6 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import checked_array
 from puma_septic.errors import InputError
 from puma_septic.files import decoded, read_bytes
 from puma_septic.robot import Robot
@@ -23,6 +22,7 @@ from puma_septic.ros._message import JointState, JointTrajectoryMessage, joint_s
 from puma_septic.ros._nesting import Found, found_messages
 from puma_septic.ros._texts import MAX_YAML, documents_of, read_documents
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import checked_array
 
 __all__ = [
     "PlannedTrajectory",

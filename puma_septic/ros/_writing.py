@@ -9,7 +9,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from puma_septic.checks import Array, checked_number
 from puma_septic.errors import InputError
 from puma_septic.files import write_new
 from puma_septic.piecewise import Piecewise
@@ -17,6 +16,7 @@ from puma_septic.ros._interpolation import spline_powers
 from puma_septic.ros._message import JointTrajectoryMessage
 from puma_septic.ros._texts import SUFFIXES, text_of
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_number
 
 __all__ = ["joint_trajectory_document", "message_of", "write_joint_trajectory", "write_message"]
 

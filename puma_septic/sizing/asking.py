@@ -6,7 +6,6 @@ from typing import overload
 
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import checked_choice
 from puma_septic.cycle import Cycle
 from puma_septic.drives import Catalogue
 from puma_septic.errors import InputError
@@ -16,6 +15,7 @@ from puma_septic.sizing.choosing import Selection, select
 from puma_septic.sizing.coupling import PLACEMENTS, Placement, select_consistent
 from puma_septic.sizing.result import Sizing
 from puma_septic.sizing.selection import Rank
+from puma_septic.validation import checked_choice
 
 __all__ = ["size"]
 

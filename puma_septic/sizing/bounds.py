@@ -6,10 +6,10 @@ from typing import Final
 
 import numpy as np
 
-from puma_septic.checks import Array
 from puma_septic.sizing.gearbox import expected_life
 from puma_septic.sizing.grids import LoadGrid
 from puma_septic.sizing.pairs import PairTable
+from puma_septic.validation import Array
 
 __all__ = ["Bounds", "utilisation_bounds"]
 

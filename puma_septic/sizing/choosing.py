@@ -8,7 +8,6 @@ from typing import Any, Final, final
 
 import numpy as np
 
-from puma_septic.checks import checked_choice
 from puma_septic.cycle import Cycle
 from puma_septic.document import SCHEMAS, plain
 from puma_septic.drives import Catalogue
@@ -19,6 +18,7 @@ from puma_septic.sizing.loads import joint_load
 from puma_septic.sizing.ratios import RatioWindow
 from puma_septic.sizing.result import Sizing, size
 from puma_septic.sizing.selection import RANKS, Candidate, JointSelection, Rank, select_joint
+from puma_septic.validation import checked_choice
 from puma_septic.views.tables import Cell, text_table
 
 __all__ = ["Selection", "checked_rank", "select"]

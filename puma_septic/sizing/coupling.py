@@ -9,7 +9,6 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array, checked_array
 from puma_septic.cycle import Cycle, Dwell
 from puma_septic.drives import Catalogue
 from puma_septic.errors import InputError
@@ -19,6 +18,7 @@ from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_cycle, che
 from puma_septic.sizing.choosing import Selection, checked_rank
 from puma_septic.sizing.loads import joint_load
 from puma_septic.sizing.selection import JointSelection, Rank, select_joint
+from puma_septic.validation import Array, checked_array
 
 __all__ = ["PLACEMENTS", "Placement", "select_consistent", "with_drive_masses"]
 

@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
-from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise
 from puma_septic.sizing.loads import MotorLoad
+from puma_septic.validation import Array
 
 __all__ = ["largest_ratio", "torque_at_speed", "voltage"]
 

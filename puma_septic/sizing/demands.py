@@ -8,7 +8,6 @@ from typing import NamedTuple, final
 
 import numpy as np
 
-from puma_septic.checks import Array
 from puma_septic.drives import Drivetrain
 from puma_septic.errors import NoSolution, PumaSepticError
 from puma_septic.piecewise import Piecewise
@@ -17,6 +16,7 @@ from puma_septic.sizing.electrical import Regeneration, electric_power, energies
 from puma_septic.sizing.gearbox import average_load_torque, expected_life
 from puma_septic.sizing.loads import JointLoad, MotorLoad
 from puma_septic.sizing.thermal import steady_cycle, thermal_equation
+from puma_septic.validation import Array
 
 __all__ = ["Demands", "Peak"]
 

@@ -7,8 +7,8 @@ from typing import Final, final
 
 import numpy as np
 
-from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise
+from puma_septic.validation import Array
 
 __all__ = ["Regeneration", "electric_power", "energies", "regeneration"]
 

@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import checked_array, checked_number
 from puma_septic.errors import InputError
 from puma_septic.sizing.loads import JointLoad
+from puma_septic.validation import checked_array, checked_number
 
 __all__ = ["allowed_momentary_peaks", "average_load_torque", "average_torque", "expected_life"]
 

@@ -17,12 +17,12 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise
 from puma_septic.sizing.electrical import energies
 from puma_septic.sizing.gearbox import average_load_torque
 from puma_septic.sizing.loads import JointLoad
 from puma_septic.sizing.ratios import LoadMoments, load_moments
+from puma_septic.validation import Array
 
 __all__ = ["LoadGrid", "load_grid"]
 

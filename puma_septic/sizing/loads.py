@@ -8,10 +8,10 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.checks import Array
 from puma_septic.cycle import Cycle
 from puma_septic.drives import Drivetrain
 from puma_septic.piecewise import Piecewise
+from puma_septic.validation import Array
 
 __all__ = ["JointLoad", "MotorLoad", "joint_load", "motor_load"]
 

@@ -12,9 +12,9 @@ from typing import final
 
 import numpy as np
 
-from puma_septic.checks import checked_number
 from puma_septic.piecewise import Piecewise
 from puma_septic.sizing.loads import JointLoad
+from puma_septic.validation import checked_number
 
 __all__ = ["LoadMoments", "RatioWindow", "accelerating_factor", "load_moments", "ratio_window"]
 

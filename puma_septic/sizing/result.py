@@ -8,7 +8,6 @@ from typing import Any, final
 
 import numpy as np
 
-from puma_septic.checks import Array, checked_choice, checked_number
 from puma_septic.cycle import Cycle
 from puma_septic.document import SCHEMAS, plain
 from puma_septic.drives import Drivetrain, own_drivetrains
@@ -18,6 +17,7 @@ from puma_septic.sizing._positions import position_remarks
 from puma_septic.sizing.checks import NotAssessed, Outcome, assess_joint
 from puma_septic.sizing.demands import Demands
 from puma_septic.sizing.loads import joint_load, motor_load
+from puma_septic.validation import Array, checked_choice, checked_number
 from puma_septic.views import sizing as view
 from puma_septic.views.checks import verdict
 

@@ -12,7 +12,6 @@ from typing import Final, Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.checks import Array, checked_choice
 from puma_septic.drives import Catalogue, Drivetrain
 from puma_septic.limit_check import AT_LIMIT, LimitCheck, most_used_first
 from puma_septic.sizing.bounds import utilisation_bounds
@@ -22,6 +21,7 @@ from puma_septic.sizing.grids import LoadGrid, load_grid
 from puma_septic.sizing.loads import JointLoad, motor_load
 from puma_septic.sizing.pairs import PairTable, pair_table
 from puma_septic.sizing.ratios import LoadMoments, RatioWindow, ratio_window
+from puma_septic.validation import Array, checked_choice
 
 __all__ = ["RANKS", "Candidate", "JointSelection", "Rank", "select_joint"]
 

@@ -15,9 +15,9 @@ from typing import Final
 
 import numpy as np
 
-from puma_septic.checks import Array
 from puma_septic.errors import NoSolution, PumaSepticError
 from puma_septic.piecewise import Piecewise, matrices
+from puma_septic.validation import Array
 
 __all__ = ["heating", "overload_time", "steady_cycle", "thermal_equation"]
 

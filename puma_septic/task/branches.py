@@ -10,10 +10,10 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.checks import Array, checked_choice, read_only
 from puma_septic.errors import NoSolution
 from puma_septic.kinematics import CONFIGURATIONS, IkSolutions, inverse_kinematics
 from puma_septic.robot import Robot
+from puma_septic.validation import Array, checked_choice, read_only
 
 __all__ = ["Branch", "Posed", "Waypoint", "best_branch", "branches_through"]
 

@@ -11,13 +11,13 @@ import numpy as np
 
 from puma_septic import profiles
 from puma_septic.assessment import Assessment, assess
-from puma_septic.checks import Array, checked_array, checked_choice, read_only
 from puma_septic.errors import InputError, ModelError, NoSolution
 from puma_septic.kinematics import forward_kinematics, inverse_kinematics
 from puma_septic.robot import Payload, Robot, Wrench, load_robot
 from puma_septic.task.branches import Branch, Posed, Waypoint, best_branch, branches_through
 from puma_septic.task.schema import Point, Task
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_array, checked_choice, read_only
 
 __all__ = ["ResolvedTask", "assess_task", "resolve_task", "solve_points"]
 

@@ -9,8 +9,8 @@ import pinocchio as pin
 from meshcat.animation import Animation, AnimationClip, AnimationTrack
 from meshcat.path import Path
 
-from puma_septic.checks import Array
 from puma_septic.motion import Motion
+from puma_septic.validation import Array
 from puma_septic.viewer.colours import UTILISATION, colour_at
 
 __all__ = ["ANGLE_ERROR", "add_colours", "add_joints", "joint_paths", "key_times", "utilisation"]

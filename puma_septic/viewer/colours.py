@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.checks import Array
+from puma_septic.validation import Array
 
 __all__ = ["GHOSTS", "NEUTRAL", "SOLID", "SPEED", "UTILISATION", "as_hex", "colour_at"]
 

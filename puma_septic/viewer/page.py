@@ -15,7 +15,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from puma_septic.checks import Array
+from puma_septic.validation import Array
 from puma_septic.viewer.colours import GHOSTS, SOLID, SPEED, UTILISATION, as_hex
 from puma_septic.viewer.flags import Flag
 from puma_septic.viewer.scene import Shown, scene_commands

@@ -15,9 +15,9 @@ from meshcat.commands import SetAnimation, SetObject, SetProperty, SetTransform
 from meshcat.path import Path
 
 from puma_septic.assessment import Assessment
-from puma_septic.checks import Array
 from puma_septic.kinematics import forward_kinematics, tool_motion
 from puma_septic.robot import Payload, Robot
+from puma_septic.validation import Array
 from puma_septic.viewer.animation import add_colours, add_joints, joint_paths, key_times, utilisation
 from puma_septic.viewer.colours import GHOSTS, SPEED, UTILISATION, colour_at
 from puma_septic.viewer.flags import Flag, flags_of

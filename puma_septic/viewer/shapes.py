@@ -9,8 +9,8 @@ import numpy as np
 import pinocchio as pin
 from meshcat import geometry as mc
 
-from puma_septic.checks import Array
 from puma_septic.errors import ModelError
+from puma_septic.validation import Array
 
 __all__ = ["Placed", "octahedron", "placed_shapes", "rotated_y_to_z", "tube"]
 

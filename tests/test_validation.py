@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import puma_septic as ps
-from puma_septic.checks import checked_array, checked_choice, checked_number, checked_times, read_only
+from puma_septic.validation import checked_array, checked_choice, checked_number, checked_times, read_only
 
 
 def test_an_array_is_copied_to_read_only_float64() -> None:

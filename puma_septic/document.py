@@ -118,9 +118,11 @@ def csv_text(rows: Iterable[Iterable[Any]]) -> str:
 
 
 def _cell(value: Any) -> Any:
-    if isinstance(value, str) and value.startswith(_FORMULA) and not _is_number(value):
-        return f"'{value}"
-    return "" if value is None else value
+    if not isinstance(value, str):
+        return "" if value is None else value
+    guard = "'" if value.startswith(_FORMULA) and not _is_number(value) else ""
+    # The writer puts quotes around a line feed, around a carriage return not: it would end the row.
+    return guard + value.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def _is_number(text: str) -> bool:

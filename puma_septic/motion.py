@@ -18,6 +18,9 @@ from puma_septic.validation import Array, checked_choice
 
 __all__ = ["Motion", "compute_motion"]
 
+# A hundredth of what the torque is fitted to: between reversals it needs fewer coefficients than over all of them.
+_NEGLIGIBLE = 1e-13
+
 
 @final
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -120,7 +123,8 @@ def compute_motion(robot: Robot, trajectory: Trajectory) -> Motion:
     except PumaSepticError as error:
         raise InputError(_why_not_resolved(robot, trajectory)) from error
     direction = trajectory.direction
-    torque = smooth + direction.stepwise(coulomb_torque(robot, direction.coefficients[0]))
+    coulomb = direction.stepwise(coulomb_torque(robot, direction.coefficients[0]))
+    torque = (smooth + coulomb).trimmed(_NEGLIGIBLE)
     return Motion(
         robot=robot,
         trajectory=trajectory,

@@ -18,10 +18,12 @@ above what numeric inverse kinematics and the arithmetic of profiles leave."""
 REST_TIME: Final = 0.1
 """A recorded joint that stays within its resolution for this long is at rest, s. It moves by less than ten resolutions
 a second; near a reversal or an end a joint that accelerates is this slow for a shorter time."""
-# While a joint rests it creeps slower than this many times STILL over the whole motion.
+# While a joint rests it creeps slower than this many times STILL over the whole motion,
 _CREEP: Final = 10.0
-# Nor does it accelerate: at its acceleration it would travel by less than this many times STILL in the whole motion.
-_STEADY: Final = 1000.0
+# and for longer than this, s, a step of a servo loop: the first microsecond of a move under a high jerk is no rest.
+_BRIEF: Final = 1e-3
+# A reversal by more than STILL within an interval has velocities above this part of STILL over its length.
+_SLOW: Final = 1 / 8
 # Samples within REST_TIME: rests are found to a tenth of it.
 _SAMPLES: Final = 10
 
@@ -33,8 +35,8 @@ def find_directions(position: Piecewise, resolution: Array) -> Piecewise:
     smaller reversals are none. Between two turning points the direction is the sign of the travel. It is 0
 
     - throughout, where a component never travels by more than its resolution;
-    - on an interval over which it creeps by less than `STILL`, slower than `STILL` tenfold in the whole motion, and
-      does not accelerate;
+    - on an interval on which it is constant, or creeps by less than `STILL`, and slower than `STILL` tenfold in the
+      whole motion, for a millisecond or longer;
     - where a resolution is given: wherever it stays within that for `REST_TIME` or longer.
 
     Parameters
@@ -44,43 +46,48 @@ def find_directions(position: Piecewise, resolution: Array) -> Piecewise:
         In the unit of the position; 0 for a planned motion.
     """
     function = position.from_zero()
-    m = function.n_components
-    roots = function.derivative().roots(noise=0.0)
-    turned = [_turning_points(function[j], roots[j], max(STILL, float(resolution[j]))) for j in range(m)]
-    rests = [_recorded_rests(function[j], float(resolution[j])) for j in range(m)]
-    times = np.concatenate([function.breaks, *(times for times, _ in turned), *(np.ravel(spans) for spans in rests)])
-    unit = Piecewise.constant(np.ones(m), function.duration).split(times)
-    values = np.empty((len(unit.middles), m))
-    for j, (reversals, signs) in enumerate(turned):
-        values[:, j] = signs[np.searchsorted(reversals, unit.middles)]
-        for first, last in rests[j]:
-            values[(unit.middles > first) & (unit.middles < last), j] = 0.0
-    values[_creeping(function)[np.searchsorted(function.breaks[1:-1], unit.middles)]] = 0.0
-    return unit.by_interval(values).shifted(position.start)
+    allowed = np.maximum(STILL, resolution)
+    # A velocity that is smaller throughout travels by less than STILL: its reversals are none.
+    slow = _SLOW * STILL / function.lengths[:, None]
+    times = np.unique(np.concatenate([function.offsets, *function.derivative().roots(noise=slow)]))
+    values = function(times)
+    turned = [_turning_points(times, one, least) for one, least in zip(values.T, allowed, strict=True)]
+    rests = [_recorded_rests(function[int(j)], float(resolution[j])) for j in np.flatnonzero(resolution)]
+    unit = function.stepwise(np.ones((len(function.lengths), 1)))
+    unit = unit.split(np.concatenate([*(when for when, _ in turned), *map(np.ravel, rests)]))
+    middles = unit.middles
+    directions = np.array([signs[np.searchsorted(when, middles)] for when, signs in turned]).T.copy()
+    for j, spans in zip(np.flatnonzero(resolution), rests, strict=True):
+        for first, last in spans:
+            directions[(middles > first) & (middles < last), j] = 0.0
+    directions[_creeping(function)[np.searchsorted(function.offsets[1:-1], middles)]] = 0.0
+    return unit.stepwise(directions).shifted(position.start)
 
 
-def _turning_points(position: Piecewise, roots: Array, allowed: float) -> tuple[Array, Array]:
-    """Times (k,) of the turning points of the only component, and the signs (k + 1,) between them.
+def _turning_points(times: Array, values: Array, allowed: float) -> tuple[Array, Array]:
+    """Times (k,) of the turning points of a component, which has these values, and the signs (k + 1,) between them.
 
     A turn is an extremum from which the position comes back by more than `allowed`.
     """
-    times = np.unique(np.concatenate([position.breaks, roots]))
-    values = position(times)[:, 0]
     # Only local extrema and the ends can turn.
     steps = np.sign(np.diff(values))
     moving = np.flatnonzero(steps)
     inner = moving[1:][steps[moving[1:]] != steps[moving[:-1]]]
+    if not len(inner):
+        travel = values[-1] - values[0]
+        return times[:0], np.array([np.sign(travel) if abs(travel) > allowed else 0.0])
+    at = values.tolist()
     turns: list[int] = []
     low = high = extreme = 0
     sign = 0.0
-    for k in [*inner.tolist(), len(values) - 1]:
+    for k in [*inner.tolist(), len(at) - 1]:
         if sign == 0.0:
-            low, high = (k if values[k] < values[low] else low), (k if values[k] > values[high] else high)
-            if values[high] - values[low] > allowed:
-                sign, extreme = np.sign(high - low), k
-        elif sign * (values[k] - values[extreme]) >= 0:
+            low, high = (k if at[k] < at[low] else low), (k if at[k] > at[high] else high)
+            if at[high] - at[low] > allowed:
+                sign, extreme = (1.0 if high > low else -1.0), k
+        elif sign * (at[k] - at[extreme]) >= 0:
             extreme = k
-        elif sign * (values[extreme] - values[k]) > allowed:
+        elif sign * (at[extreme] - at[k]) > allowed:
             turns.append(extreme)
             sign, extreme = -sign, k
     alternating = (-1.0) ** np.arange(len(turns) + 1)
@@ -102,10 +109,8 @@ def _recorded_rests(position: Piecewise, resolution: float) -> Array:
 def _creeping(position: Piecewise) -> NDArray[np.bool_]:
     """Whether each component is at rest but for rounding on each interval, shape (n, m).
 
-    A short interval in which it comes to rest is none: there it is slow, but accelerates.
+    A short interval in which it comes to rest is none: there it is slow, but brakes.
     """
     travel = 2 * np.abs(position.coefficients[1:]).sum(axis=0)
-    part = np.minimum(1.0, _CREEP * position.lengths / position.duration)
-    acceleration = np.abs(position.derivative().derivative().coefficients).sum(axis=0)
-    steady = acceleration * position.duration**2 <= _STEADY * STILL
-    return np.asarray((travel <= STILL * part[:, None]) & steady)
+    part = np.minimum(1.0, _CREEP * position.lengths / position.duration) * (position.lengths >= _BRIEF)
+    return np.asarray(travel <= STILL * part[:, None])

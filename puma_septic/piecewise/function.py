@@ -229,6 +229,12 @@ class Piecewise:
         values = checked_array("values", values, (len(self.offsets) - 1, None))
         return self._with(values[None])
 
+    def trimmed(self, part: float) -> Piecewise:
+        """Without the last coefficients that are all below this part of the largest of their component."""
+        size = np.abs(self.coefficients)
+        kept = np.flatnonzero((size > part * size.max(axis=(0, 1))).any(axis=(1, 2)))
+        return self._with(self.coefficients[: kept[-1] + 1 if len(kept) else 1])
+
     def aligned_with(self, other: Piecewise) -> Piecewise:
         """The same function with the breaks of `other`, which has the same span, added to its own."""
         return self._split_offsets([other.offsets])
@@ -378,6 +384,8 @@ class Piecewise:
         if len(merged) == len(self.offsets):
             return self
         parent = np.searchsorted(self.offsets[1:-1], (merged[:-1] + merged[1:]) / 2)
+        if not self.degree:
+            return self._trusted(self.start, merged, self.coefficients[:, parent])
         left, right = self.offsets[parent], self.offsets[parent + 1]
         start, stop = (2 * (end - left) / (right - left) - 1 for end in (merged[:-1], merged[1:]))
         y = matrices.nodes(self.degree)

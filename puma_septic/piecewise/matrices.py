@@ -6,7 +6,10 @@ Each is built once and shared, hence read-only.
 
 from __future__ import annotations
 
+from fractions import Fraction
 from functools import lru_cache
+from math import comb
+from operator import mul
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -15,17 +18,19 @@ from puma_septic.validation import Array
 
 __all__ = [
     "basis_at",
+    "bernstein_eighths",
+    "bernstein_halves",
     "coefficients_from_values",
     "derivative_matrix",
     "end_derivatives",
     "from_power_matrix",
     "gram_matrix",
     "grid",
-    "grid_slopes",
     "integral_matrix",
     "nodes",
     "signs",
     "state_matrix",
+    "to_bernstein_matrix",
     "to_power_matrix",
     "values_matrix",
 ]
@@ -168,8 +173,28 @@ def grid(degree: int) -> Array:
 
 
 @lru_cache(maxsize=256)
-def grid_slopes(degree: int) -> Array:
-    """``k sin(k theta)``, the slopes of ``T_k`` by -theta at the points of `grid`, shape (points, degree + 1)."""
-    count, k = len(grid(degree)), np.arange(degree + 1.0)
-    theta = np.linspace(np.pi, 0.0, count)[:, None]
-    return _shared(k * np.sin(k * theta))
+def to_bernstein_matrix(degree: int) -> Array:
+    """Control values (coefficients in Bernstein's basis on [-1, 1]) of a series, shape (degree + 1, degree + 1).
+
+    Power k of ``s = (x + 1) / 2`` has the control values ``C(i, k) / C(degree, k)``; summed as fractions, because
+    powers cancel.
+    """
+    powers = to_power_matrix(degree).T.astype(int).tolist()
+    rows = [[Fraction(comb(i, k), comb(degree, k)) for k in range(degree + 1)] for i in range(degree + 1)]
+    return _shared(np.array([[float(sum(map(mul, row, power))) for power in powers] for row in rows]))
+
+
+@lru_cache(maxsize=256)
+def bernstein_halves(degree: int) -> tuple[Array, Array]:
+    """Control values on the lower and on the upper half, of those on the whole: de Casteljau's, as two matrices."""
+    lower = np.array([[comb(row, k) / 2**row for k in range(degree + 1)] for row in range(degree + 1)])
+    return _shared(lower), _shared(lower[::-1, ::-1].copy())
+
+
+@lru_cache(maxsize=256)
+def bernstein_eighths(degree: int) -> Array:
+    """Control values of a series on each eighth of [-1, 1], shape (8, degree + 1, degree + 1)."""
+    parts = [to_bernstein_matrix(degree)]
+    for _ in range(3):
+        parts = [half @ part for part in parts for half in bernstein_halves(degree)]
+    return _shared(np.array(parts))

@@ -1,16 +1,16 @@
-"""Extrema and sign changes of Chebyshev series, without eigenvalues.
+"""Extrema and sign changes of Chebyshev series, without eigenvalues, by bounds that hold everywhere between samples.
 
-On Chebyshev-Lobatto points, ``x = cos(theta)``, a series of degree n is a trigonometric polynomial of theta. Its second
-derivative is at most ``n^2 A`` where A bounds its magnitude (Bernstein), and at most ``sum k^2 |c_k|``, so between two
-neighbours of M + 1 points it stays within that times ``(pi / M)^2 / 8`` of the straight line that joins them; and
-``A <= max over the points / cos(n pi / (2 M))`` (Ehlich and Zeller 1964, Mathematische Zeitschrift 86, 41-44). A cell,
-the interval between two neighbours, that cannot hold what is asked for by these bounds is not looked into. That is
-proved, not sampled.
+A series of low degree is looked at as it is; a longer one cell by cell, cells being the intervals between neighbours
+of an over-sampled grid of Chebyshev-Lobatto points, ``x = cos(theta)``. By theta a series is a trigonometric polynomial
+whose second derivative is at most ``sum k^2 |c_k|``, so that between two neighbours of M + 1 points it stays within
+``(pi / M)^2 / 8`` times that of the straight line that joins them. A cell that cannot hold what is asked for by this
+bound is not looked into.
 
-The same bounds on the first two derivatives by theta prove most of the other cells to be monotone, or to hold one
-critical point. What is left is split at the zeros of the third, then second, then first derivative (each is monotone
-between the zeros of the one above it), so that up to three critical points or four sign changes in one cell are told
-apart. A cell is at most 1/10 of the interval and a quarter of the shortest ripple that the degree allows.
+In what is left, sign changes (of the series, or of its derivative for extrema) are isolated by Descartes' rule in
+Bernstein's form: a polynomial changes its sign at most as often as its control values do, and exactly once where they
+do once (Farouki 2012, The Bernstein polynomial basis: a centennial retrospective, CAGD 29, 379-419). A part with more
+is halved by de Casteljau's subdivision until its control values are rounding, which has no sign. So no sign change and
+no extremum is missed, however crowded, but for ripples within the rounding of the series.
 
 Columns of the arrays below are the series of one interval and component each: interval by interval, then component.
 """
@@ -18,6 +18,7 @@ Columns of the arrays below are the series of one interval and component each: i
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,13 +30,24 @@ __all__ = ["find_extrema", "find_sign_changes"]
 
 Index = NDArray[np.int64]
 Flags = NDArray[np.bool_]
+_EPS = np.finfo(np.float64).eps
 # A value below this part of the sum of |coefficients| is rounding, and has no sign.
-_ROUNDING = 64 * np.finfo(np.float64).eps
+_ROUNDING = 64 * _EPS
+# From the middle of a cell Newton needs three to five.
+_NEWTON_STEPS = 5
 # Newton within a bracket; bisection takes over where it leaves it, and 60 halvings exhaust a double.
 _STEPS = 60
 # A step of this part of the bracket is the last: Newton converges quadratically, what remains is rounding.
 _LAST_STEP = 1e-9
-# Values on the grid that are held at once: 16 MB.
+# Degree up to which a series is taken as a whole, and of what stands for a longer one within a cell: a cell is at most
+# pi / 4 of the shortest ripple's angle, so what is left out is below 2 (pi / 16)^11 / 11!, 1e-15 of the largest value.
+_LOCAL = 10
+# Control values of degree 10 are known to this many roundings of the sum of |coefficients|: Bernstein's form of T_10
+# has values up to 733.
+_CONTROL_ROUNDING = 1024 * _EPS
+# Halvings after which sign changes are one: 1e-9 of the interval, closer than rounding tells double zeros apart.
+_HALVINGS = 30
+# Values that are held at once: 16 MB.
 _BLOCK = 1 << 21
 
 
@@ -52,7 +64,8 @@ def find_extrema(breaks: Array, coefficients: Array) -> tuple[tuple[Array, Array
     spread = size[1:].sum(axis=0)
     columns = np.flatnonzero((coefficients[0] + spread > high - equal) | (coefficients[0] - spread < low + equal))
     for block in _blocks(columns, len(series) - 1):
-        at, x, value = _candidates(series, block, low - equal, high + equal)
+        column, x, value = _candidates(series[:, block], block % m, low - equal, high + equal)
+        at = block[column]
         np.minimum.at(low, at % m, value)
         np.maximum.at(high, at % m, value)
         found.append((at, x, value))
@@ -78,7 +91,9 @@ def find_sign_changes(breaks: Array, coefficients: Array, noise: Array | None = 
     columns = np.flatnonzero(size[0] <= size[1:].sum(axis=0))
     at, times = [np.empty(0, dtype=np.int64)], [np.empty(0)]
     for block in _blocks(columns, len(series) - 1):
-        column, x = _sign_changes(series[:, block], noise[block])
+        some = series[:, block]
+        cells = _eighths(some) if len(some) <= _LOCAL + 1 else _cells_with_zeros(some)
+        column, x = _sign_changes(some, cells, noise[block])
         at.append(block[column])
         times.append(_times(breaks, block[column] // m, x))
     joint, roots = np.concatenate(at) % m, np.concatenate(times)
@@ -86,122 +101,183 @@ def find_sign_changes(breaks: Array, coefficients: Array, noise: Array | None = 
 
 
 def _blocks(columns: Index, degree: int) -> Iterator[Index]:
-    """Columns in blocks whose grid fits into memory."""
-    count = max(1, _BLOCK // len(matrices.grid(degree)))
+    """Columns in blocks whose control values or grid fit into memory."""
+    count = max(1, _BLOCK // (_LOCAL + 1 if degree <= _LOCAL else len(matrices.grid(degree))))
     return (columns[k : k + count] for k in range(0, len(columns), count))
 
 
-def _hidden(series: Array, values: Array) -> Array:
-    """How far each column may rise above, or fall below, its values at both ends of a cell of the grid."""
-    degree, step = len(series) - 1, np.pi / (len(values) - 1)
-    magnitude = np.abs(values).max(axis=0) / np.cos(degree * step / 2)
-    curvature = np.arange(degree + 1.0) ** 2 @ np.abs(series)
-    return np.asarray(np.minimum(degree**2 * magnitude, curvature) * (step**2 / 8))
+class _Cells(NamedTuple):
+    """Parts [left, right] of [-1, 1] of some columns, with the control values (degree + 1, k) of the series there."""
+
+    column: Index
+    left: Array
+    right: Array
+    control: Array
+
+    def some(self, which: Flags | Index) -> _Cells:
+        return _Cells(self.column[which], self.left[which], self.right[which], self.control[:, which])
+
+    def halves(self) -> _Cells:
+        """Each as two, by de Casteljau's subdivision."""
+        middle = (self.left + self.right) / 2
+        lower, upper = matrices.bernstein_halves(len(self.control) - 1)
+        return _Cells(
+            np.concatenate([self.column] * 2),
+            np.concatenate([self.left, middle]),
+            np.concatenate([middle, self.right]),
+            np.concatenate([lower @ self.control, upper @ self.control], axis=1),
+        )
 
 
-def _candidates(series: Array, block: Index, low: Array, high: Array) -> tuple[Index, Array, Array]:
-    """(column, x, value) of grid points and critical points that may lie beyond the bounds of their component."""
-    m, some = len(low), series[:, block]
-    values = matrices.grid(len(some) - 1) @ some
-    j = block % m
-    low, high = np.minimum(low, _least(values, j, m)), np.maximum(high, -_least(-values, j, m))
-    hidden = _hidden(some, values)
-    up, down = np.maximum(values[:-1], values[1:]), np.minimum(values[:-1], values[1:])
-    k, column = np.nonzero((up > (high[j] - hidden)) | (down < (low[j] + hidden)))
-    cell, points, value = _split_at_critical_points(some, column, k)
-    return block[column[cell]], points, value
+def _eighths(series: Array) -> _Cells:
+    """Each column of a low degree in eight cells."""
+    parts, count = matrices.bernstein_eighths(len(series) - 1), series.shape[1]
+    control = np.ascontiguousarray((parts @ series).transpose(1, 2, 0)).reshape(len(series), 8 * count)
+    edges = np.linspace(-1.0, 1.0, 9)
+    return _Cells(np.repeat(np.arange(count), 8), np.tile(edges[:-1], count), np.tile(edges[1:], count), control)
 
 
-def _least(values: Array, j: Index, m: int) -> Array:
-    """Least value of each component over its columns, shape (m,)."""
-    least = np.full(m, np.inf)
-    np.minimum.at(least, j, values.min(axis=0))
-    return least
+def _cells_of(series: Array, column: Index, k: Index, grid: int) -> _Cells:
+    """Cells k of a grid of that many points: the polynomial of degree `_LOCAL` that stands for the series there."""
+    nodes = matrices.nodes(grid - 1)
+    left, right = nodes[k], nodes[k + 1]
+    x = ((1 - matrices.nodes(_LOCAL)[:, None]) * left + (1 + matrices.nodes(_LOCAL)[:, None]) * right) / 2
+    values = (matrices.basis_at(x, len(series) - 1) * series[:, None, column]).sum(axis=0)
+    to_control = matrices.to_bernstein_matrix(_LOCAL) @ matrices.coefficients_from_values(_LOCAL)
+    return _Cells(column, left, right, to_control @ values)
 
 
-def _sign_changes(series: Array, noise: Array) -> tuple[Index, Array]:
-    """Column and x of each sign change."""
+def _hidden(series: Array, grid: int) -> Array:
+    """How far each column may rise above, or fall below, its values at both ends of a cell of a grid of that many."""
+    step = np.pi / (grid - 1)
+    return np.asarray(np.arange(len(series)) ** 2 @ np.abs(series) * (step**2 / 8))
+
+
+def _cells_with_zeros(series: Array) -> _Cells:
+    """The cells of the grid that may hold a zero."""
     values = matrices.grid(len(series) - 1) @ series
-    near = np.minimum(np.abs(values[:-1]), np.abs(values[1:])) <= _hidden(series, values)
-    k, column = np.nonzero((near | (values[:-1] * values[1:] < 0)).T)[::-1]
-    cell, points, value = _split_at_critical_points(series, column, k)
-    column = column[cell]
-    # Rounding has no sign: a sign changes between the last point that has one and the next, however far apart.
-    signed = np.abs(value) > noise[column]
-    column, points, value = column[signed], points[signed], value[signed]
-    first = np.flatnonzero((column[1:] == column[:-1]) & (np.sign(value[1:]) != np.sign(value[:-1])))
-    bracket = np.array([points[first], points[first + 1]])
-    return column[first], _zeros(series[:, column[first]], bracket, np.array([value[first], value[first + 1]]))
+    # A value beyond what is hidden has the sign of its neighbours, or theirs is beyond it on the other side.
+    hidden = _hidden(series, len(values))
+    up, down = values > hidden, values < -hidden
+    column, k = np.nonzero(~((up[:-1] & up[1:]) | (down[:-1] & down[1:])).T)
+    return _cells_of(series, column, k, len(values))
 
 
-def _split_at_critical_points(series: Array, column: Index, k: Index) -> tuple[Index, Array, Array]:
-    """Cells k of the given columns, split where they stop being monotone: (number of the cell, x, value), in order."""
-    monotone, single = _sorted_out(series, column, k)
-    nodes = matrices.nodes(len(matrices.grid(len(series) - 1)) - 1)
-    cell, x = np.repeat(np.arange(len(k)), 2), np.column_stack([nodes[k], nodes[k + 1]]).ravel()
-    derivatives = [series]
-    for _ in range(3):
-        derivatives.append(matrices.derivative_matrix(len(derivatives[-1]) - 1) @ derivatives[-1])
-    for order, skipped in ((3, monotone | single), (2, monotone | single), (1, monotone)):
-        if skipped.all():
-            continue
-        some = np.flatnonzero(~skipped[cell])
-        value = np.zeros(len(cell))
-        value[some] = _values_at(derivatives[order][:, column[cell[some]]], x[some])
-        between = np.flatnonzero((cell[1:] == cell[:-1]) & (value[:-1] * value[1:] < 0))
-        bracket, ends = np.array([x[between], x[between + 1]]), np.array([value[between], value[between + 1]])
-        zeros = _zeros(derivatives[order][:, column[cell[between]]], bracket, ends)
-        x, cell = np.insert(x, between + 1, zeros), np.insert(cell, between + 1, cell[between])
-    return cell, x, _values_at(series[:, column[cell]], x)
+def _candidates(series: Array, j: Index, low: Array, high: Array) -> tuple[Index, Array, Array]:
+    """(column, x, value) of the points that may be extreme; column i belongs to component j[i] with these bounds."""
+    slopes = matrices.derivative_matrix(len(series) - 1) @ series
+    if len(slopes) <= _LOCAL + 1:
+        column, x = _sign_changes(slopes, _eighths(slopes), np.zeros(series.shape[1]))
+        return column, x, _values_at(series[:, column], x)
+    values = matrices.grid(len(series) - 1) @ series
+    low, high = low.copy(), high.copy()
+    np.minimum.at(low, j, values.min(axis=0))
+    np.maximum.at(high, j, values.max(axis=0))
+    hidden = _hidden(series, len(values))
+    extreme = (values > high[j] - hidden) | (values < low[j] + hidden)
+    column, k = np.nonzero((extreme[:-1] | extreme[1:]).T)
+    cells = _cells_of(slopes, column, k, len(values))
+    turning, x = _sign_changes(slopes, cells, np.zeros(series.shape[1]))
+    value = np.concatenate([values[k, column], _values_at(series[:, turning], x)])
+    return np.concatenate([column, turning]), np.concatenate([cells.left, x]), value
 
 
-def _sorted_out(series: Array, column: Index, k: Index) -> tuple[Flags, Flags]:
-    """Which cells certainly hold no critical point inside, and which certainly hold one: by theta, as in `_hidden`."""
-    some, order = series[:, column], np.arange(len(series), dtype=np.float64)
-    to_slopes, to_values = matrices.grid_slopes(len(series) - 1), matrices.grid(len(series) - 1)
-    room = (np.pi / (len(to_values) - 1)) ** 2 / 8
-    hidden_slope, hidden_bend = (room * (order**power @ np.abs(series))[column] for power in (3, 4))
-    slope = np.array([np.einsum("kd,dk->k", to_slopes[end], some) for end in (k, k + 1)])
-    bend = np.array([np.einsum("kd,dk->k", to_values[end], some * order[:, None] ** 2) for end in (k, k + 1)])
-    turns = slope[0] * slope[1] < 0
-    steep = ~turns & (np.abs(slope).min(axis=0) > hidden_slope)
-    bent = (bend[0] * bend[1] > 0) & (np.abs(bend).min(axis=0) > hidden_bend)
-    return steep | (bent & ~turns), bent & turns
+def _sign_changes(series: Array, cells: _Cells, noise: Array) -> tuple[Index, Array]:
+    """Column and x of each sign change in the cells."""
+    if len(series) < 2 or not len(cells.column):
+        return np.empty(0, dtype=np.int64), np.empty(0)
+    noise = np.maximum(noise, _CONTROL_ROUNDING * np.abs(series).sum(axis=0))
+    cells, signs = _isolated(cells, noise)
+    before, after = signs
+    # Rounding has no sign: a sign changes between the last part that has one and the next, if they are not far apart.
+    joined = np.append(False, (cells.column[1:] == cells.column[:-1]) & (cells.left[1:] == cells.right[:-1]))
+    run, signed = np.cumsum(~joined), np.flatnonzero(after)
+    first, second = signed[:-1], signed[1:]
+    across = (run[first] == run[second]) & (after[first] != before[second])
+    first, second = first[across], second[across]
+    inside = np.flatnonzero(before != after)
+    middle = (cells.left + cells.right) / 2
+    column = np.concatenate([cells.column[inside], cells.column[first]])
+    bracket = np.concatenate([[cells.left[inside], cells.right[inside]], [middle[first], middle[second]]], axis=1)
+    rising = np.concatenate([after[inside], before[second]]) > 0
+    return column, _zeros(series[:, column], bracket, rising)
 
 
-def _zeros(series: Array, bracket: Array, ends: Array) -> Array:
-    """The zero of each series (column) in its bracket (2, k), at whose ends its values `ends` differ in sign."""
+def _isolated(cells: _Cells, noise: Array) -> tuple[_Cells, tuple[Array, Array]]:
+    """Cells with at most one sign change, in order, and the signs with which each begins and ends; 0 for rounding."""
+    done: list[_Cells] = []
+    ends: list[Array] = []
+    for halving in range(_HALVINGS + 1):
+        signs = np.sign(cells.control) * (np.abs(cells.control) > noise[cells.column])
+        if not signs.all():
+            # Each control value has the sign of the last one, up to it, that has a sign.
+            known = np.maximum.accumulate(np.where(signs != 0, np.arange(len(signs))[:, None], 0), axis=0)
+            signs = signs[known, np.arange(signs.shape[1])]
+        changes = np.count_nonzero(signs[1:] * signs[:-1] < 0, axis=0)
+        few: Flags = (changes <= 1) | (halving == _HALVINGS)
+        last = signs[-1]
+        ends.append(np.array([np.where(changes % 2, -last, last), last])[:, few])
+        if few.all():
+            done.append(cells)
+            break
+        done.append(cells.some(few))
+        cells = cells.some(~few).halves()
+    if len(done) == 1:
+        return cells, (ends[0][0], ends[0][1])
+    column, left, right = (np.concatenate(part) for part in list(zip(*done, strict=True))[:3])
+    cells = _Cells(column, left, right, np.concatenate([part.control for part in done], axis=1))
+    order = np.lexsort((left, column))
+    before, after = np.concatenate(ends, axis=1)[:, order]
+    return cells.some(order), (before, after)
+
+
+def _zeros(series: Array, bracket: Array, rising: Flags) -> Array:
+    """The only zero of each series (column) in its bracket (2, k), through which it rises or falls.
+
+    By theta, in which ``sum c_k cos(k theta)`` and its slope are two products with ``exp(i k theta)``: Newton's method;
+    where that does not converge within the bracket, Newton and bisection.
+    """
     if not series.shape[1]:
         return np.empty(0)
-    slope_series = matrices.derivative_matrix(len(series) - 1) @ series
-    noise = _ROUNDING / 8 * np.abs(series).sum(axis=0)
-    (left, right), rising = bracket, ends[1] > 0
-    x = left + (right - left) * (ends[0] / (ends[0] - ends[1]))
+    order = np.arange(len(series)) * 1j
+    both = np.array([series, series * order[:, None]])
+    high, low = np.arccos(bracket)
+    theta = (low + high) / 2
+    near = _LAST_STEP * (high - low)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # a slope of zero is left to bisection
+        for _ in range(_NEWTON_STEPS):
+            value, slope = (both * np.exp(np.multiply.outer(order, theta))).sum(axis=1).real
+            step = value / slope
+            theta = np.minimum(np.maximum(theta - step, low), high)
+        found = np.abs(step) <= near
+        if not found.all():
+            rest = ~found
+            theta[rest] = _bisected(both[:, :, rest], low[rest], high[rest], rising[rest])
+    return np.asarray(np.cos(theta))
+
+
+def _bisected(both: Array, low: Array, high: Array, rising: Flags) -> Array:
+    """Theta of the zeros, by Newton's method within brackets that shrink, and bisection where it leaves them."""
+    order = np.arange(both.shape[1]) * 1j
+    noise, near = _EPS * np.abs(both[0]).sum(axis=0), _LAST_STEP * (high - low)
+    theta = (low + high) / 2
     for _ in range(_STEPS):
-        value, slope = _value_and_slope(series, slope_series, x)
-        beyond = (value > 0) == rising
-        left, right = np.where(beyond, left, x), np.where(beyond, x, right)
-        newton = x - value / slope
-        inside = (newton >= left) & (newton <= right)
-        following = np.where(np.abs(value) <= noise, x, np.where(inside, newton, (left + right) / 2))
-        moving = np.abs(following - x) > _LAST_STEP * (bracket[1] - bracket[0])
-        x = following
+        value, slope = (both * np.exp(np.multiply.outer(order, theta))).sum(axis=1).real
+        above = (value > 0) == rising
+        low, high = np.where(above, theta, low), np.where(above, high, theta)
+        newton = theta - value / slope
+        following = np.where((newton >= low) & (newton <= high), newton, (low + high) / 2)
+        following = np.where(np.abs(value) <= noise, theta, following)
+        moving = np.abs(following - theta) > near
+        theta = following
         if not moving.any():
             break
-    return np.asarray(x)
-
-
-def _value_and_slope(series: Array, slope_series: Array, x: Array) -> tuple[Array, Array]:
-    """Value and slope of each series (column) at its own point; a slope of zero is made a tiny one."""
-    basis = matrices.basis_at(x, len(series) - 1)
-    slope = np.einsum("dk,dk->k", basis[: len(slope_series)], slope_series)
-    slope[slope == 0] = np.finfo(np.float64).tiny ** 0.5
-    return np.einsum("dk,dk->k", basis, series), slope
+    return theta
 
 
 def _values_at(series: Array, x: Array) -> Array:
     """Value of each series (column) at its own point."""
-    return np.asarray(np.einsum("dk,dk->k", matrices.basis_at(x, len(series) - 1), series))
+    return np.asarray((matrices.basis_at(x, len(series) - 1) * series).sum(axis=0))
 
 
 def _times(breaks: Array, piece: Index, x: Array) -> Array:

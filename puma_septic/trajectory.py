@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Extrema, Jumps, Piecewise
-from puma_septic.piecewise.directions import find_directions
+from puma_septic.piecewise.directions import STILL, find_directions
 from puma_septic.piecewise.matrices import end_derivatives
 from puma_septic.quantities import MOTION
 from puma_septic.validation import Array, checked_array, checked_times, read_only
@@ -227,13 +227,15 @@ class Trajectory:
     def _jump_tolerance(self) -> Array:
         """Per break and component of `state`: a part of the largest value of its kind, or what rounding makes of zero.
 
-        The largest over all joints: what is rounding of the whole motion is none of one joint. A coefficient that is
-        off by d moves derivative r at an end by ``d T_n^(r)(1) (2/h)^r``. It is off by roundings
-        of itself, as many more as the interval is shorter than the time is late, and by those of the position where
-        the series has been resampled; one that is exactly zero is not off.
+        What would move a joint by no more than `STILL` over the whole motion is none either. The largest over all
+        joints: what is rounding of the whole motion is none of one joint. A coefficient that is off by d moves
+        derivative r at an end by ``d T_n^(r)(1) (2/h)^r``. It is off by roundings of itself, as many more as the
+        interval is shorter than the time is late, and by those of the position where the series has been resampled; one
+        that is exactly zero is not off.
         """
         by_kind = np.abs(self.state.coefficients).sum(axis=0).max(axis=0).reshape(4, -1)
-        least = np.repeat(_JUMP_TOLERANCE * by_kind.max(axis=1), self.n_joints)
+        none = STILL / self.duration ** np.arange(4.0)
+        least = np.repeat(np.maximum(_JUMP_TOLERANCE * by_kind.max(axis=1), none), self.n_joints)
         size = np.abs(self.position.coefficients)
         lengths = self.position.lengths[:, None]
         late = 1 + self.duration / lengths

@@ -19,8 +19,8 @@ __all__ = ["JointMetrics", "PowerMetrics", "joint_metrics", "power_metrics"]
 
 # Joints whose mass matrix entry is below this part of the geometric mean of both diagonal ones are not coupled.
 _COUPLED = 1e-12
-# Work on a stretch that is rounding of the whole is none: a sign of it would be reported as energy that flows back.
-_NO_WORK = 1e-13
+# Power and work below this part of the arm's largest are rounding: its sign would be told as energy that flows back.
+_NO_WORK = 1e-12
 
 
 class JointMetrics(TypedDict):
@@ -135,11 +135,13 @@ def power_metrics(motion: Motion) -> PowerMetrics:
     extrema = power.extrema()
     power = power.split(np.concatenate(power.roots()))
     work = np.diff(power.integral()(power.breaks), axis=0)
-    work[np.abs(work) <= _NO_WORK * np.abs(work).sum(axis=0)] = 0.0
+    work[np.abs(work) <= _NO_WORK * np.abs(work).sum(axis=0).max()] = 0.0
+    least = _NO_WORK * extrema.peak.max()
+    up, down = (np.where(size > least, size, 0.0) for size in (extrema.max, -extrema.min))
     struck = ~np.isnan(first_blows(motion)[0])
     metrics = PowerMetrics(
-        peak_power=np.where(struck, np.inf, np.maximum(extrema.max, 0.0)),
-        peak_regenerated_power=np.where(struck, np.inf, np.maximum(-extrema.min, 0.0)),
+        peak_power=np.where(struck, np.inf, up),
+        peak_regenerated_power=np.where(struck, np.inf, down),
         energy_in=np.maximum(work, 0.0).sum(axis=0),
         energy_out=np.maximum(-work, 0.0).sum(axis=0),
     )

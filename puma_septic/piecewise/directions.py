@@ -35,8 +35,8 @@ def find_directions(position: Piecewise, resolution: Array) -> Piecewise:
     smaller reversals are none. Between two turning points the direction is the sign of the travel. It is 0
 
     - throughout, where a component never travels by more than its resolution;
-    - on an interval on which it is constant, or creeps by less than `STILL`, and slower than `STILL` tenfold in the
-      whole motion, for a millisecond or longer;
+    - on an interval on which it is constant, or where it creeps, slower than `STILL` tenfold in the whole motion, for a
+      millisecond or longer;
     - where a resolution is given: wherever it stays within that for `REST_TIME` or longer.
 
     Parameters
@@ -112,5 +112,11 @@ def _creeping(position: Piecewise) -> NDArray[np.bool_]:
     A short interval in which it comes to rest is none: there it is slow, but brakes.
     """
     travel = 2 * np.abs(position.coefficients[1:]).sum(axis=0)
-    part = np.minimum(1.0, _CREEP * position.lengths / position.duration) * (position.lengths >= _BRIEF)
-    return np.asarray(travel <= STILL * part[:, None])
+    creeping = travel <= STILL * np.minimum(1.0, _CREEP * position.lengths / position.duration)[:, None]
+    # From the end of the last interval that moves to the start of the next.
+    ends, starts = (
+        np.where(creeping, rest, own[:, None])
+        for rest, own in ((0.0, position.offsets[1:]), (position.duration, position.offsets[:-1]))
+    )
+    since, until = np.maximum.accumulate(ends, axis=0), np.minimum.accumulate(starts[::-1], axis=0)[::-1]
+    return np.asarray((creeping & (until - since >= _BRIEF)) | (travel == 0))

@@ -209,12 +209,14 @@ def _isolated(cells: _Cells, noise: Array) -> tuple[_Cells, tuple[Array, Array]]
     ends: list[Array] = []
     for halving in range(_HALVINGS + 1):
         signs = np.sign(cells.control) * (np.abs(cells.control) > noise[cells.column])
+        sure = (signs[0] != 0) & (signs[-1] != 0)
         if not signs.all():
             # Each control value has the sign of the last one, up to it, that has a sign.
             known = np.maximum.accumulate(np.where(signs != 0, np.arange(len(signs))[:, None], 0), axis=0)
             signs = signs[known, np.arange(signs.shape[1])]
         changes = np.count_nonzero(signs[1:] * signs[:-1] < 0, axis=0)
-        few: Flags = (changes <= 1) | (halving == _HALVINGS)
+        # Between ends that have a sign one change is one; beside a touched zero a control value may overshoot.
+        few: Flags = (changes == 0) | ((changes == 1) & sure) | (halving == _HALVINGS)
         last = signs[-1]
         ends.append(np.array([np.where(changes % 2, -last, last), last])[:, few])
         if few.all():

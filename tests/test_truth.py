@@ -1,0 +1,200 @@
+"""The whole chain against independent computation: peaks, means and work of random moves of every family; no jumps.
+
+A few moves of each family run by default; 300 of each, and 10,000 changed inputs, with ``python -m pytest -m slow``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.polynomial import chebyshev
+from random_moves import FAMILIES, make, random_move, random_points
+from truth import truth
+
+import puma_septic as ps
+from puma_septic.checks import Array
+from puma_septic.piecewise import Piecewise
+
+# A joint's torque counts from this part of the arm's largest on: below it, rounding of the others shows.
+LEAST = 1e-3
+
+
+def assert_true(robot: ps.Robot, move: ps.Trajectory, name: str) -> None:
+    """Peak, root mean square and net work of a move, to 1e-9; finite parts where a velocity steps."""
+    expected, motion = truth(robot, move), ps.compute_motion(robot, move)
+    result = ps.assess(motion)
+    floor = LEAST * expected.peak.max()
+    peak, rms = motion.torque.extrema().peak, motion.torque.rms()
+    if np.isfinite(result.peak_torque).all():
+        peak, rms = result.peak_torque, result.rms_torque
+    else:
+        assert move.profile.startswith("linear"), name
+    for found, right in ((peak, expected.peak), (rms, expected.rms)):
+        assert (np.abs(found - right) <= 1e-9 * np.maximum(right, floor)).all(), f"{name}: {found}, true {right}"
+    work = result.energy_in - result.energy_out
+    if np.isfinite(work).all():
+        assert np.abs(work - expected.work).max() <= 1e-9 * (result.energy_in + result.energy_out).max() + 1e-15, name
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_random_moves_have_their_true_torque(puma: ps.Robot, family: str) -> None:
+    for seed in (0, 1):
+        assert_true(puma, random_move(family, np.random.default_rng([seed, FAMILIES.index(family)])), f"seed {seed}")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("family", FAMILIES)
+def test_300_random_moves_have_their_true_torque(puma: ps.Robot, family: str) -> None:
+    for seed in range(300):
+        assert_true(puma, random_move(family, np.random.default_rng([seed, FAMILIES.index(family)])), f"seed {seed}")
+
+
+# ---- an input changed by 1e-12
+
+METRICS = ("peak_velocity", "peak_acceleration", "peak_jerk", "peak_torque", "rms_torque", "energy_in", "energy_out",
+           "peak_power", "peak_regenerated_power")  # fmt: skip
+
+
+def pair(seed: int, puma: ps.Robot) -> tuple[ps.Assessment, ps.Assessment]:
+    """A random move, and the same with points, durations or payload changed by 1e-12."""
+    family, what = FAMILIES[seed % len(FAMILIES)], seed // len(FAMILIES) % 3
+    rng = np.random.default_rng([77, seed])
+    count = 4 if family in ("septic", "poly_434", "poly_353") else int(rng.integers(3, 6))
+    points = random_points(rng, count)
+    durations = 10 ** rng.uniform(-1.2, 1.0) * rng.uniform(0.5, 2.0, count - 1)
+    if family == "double_s":
+        points += np.linspace(0.0, 0.1, count)[:, None]  # no two points are equal
+    robot = loaded = puma.with_payload(ps.Payload(mass=1.0, com=(0, 0, 0.1)))
+    changed, longer = points, durations
+    if what == 0:
+        changed = points + rng.uniform(-1e-12, 1e-12, points.shape)
+    elif what == 1:
+        longer = durations * (1 + rng.uniform(-1e-12, 1e-12, durations.shape))
+    else:
+        loaded = puma.with_payload(ps.Payload(mass=1.0 + 1e-12, com=(0, 0, 0.1)))
+    state = rng.bit_generator.state
+    one = make(family, points, durations, rng)
+    rng.bit_generator.state = state
+    return ps.assess(robot, one), ps.assess(loaded, make(family, changed, longer, rng))
+
+
+def assert_no_jump(seed: int, puma: ps.Robot) -> None:
+    """Values move by their slope: the shortest stretches, 30 ms for 1 mrad, make 1e-12 rad up to 1e-7 of a value."""
+    one, other = pair(seed, puma)
+    name = f"seed {seed}, {one.motion.trajectory.profile}"
+    for metric in METRICS:
+        before, after = getattr(one, metric), getattr(other, metric)
+        assert (np.isfinite(before) == np.isfinite(after)).all(), f"{name}: {metric} {before}, then {after}"
+        finite = np.isfinite(before)
+        scale = _scale(one, metric)
+        assert (np.abs(before[finite] - after[finite]) <= 1e-7 * scale).all(), (
+            f"{name}: {metric} {before}, then {after}"
+        )
+    assert [str(check)[:14] for check in one.violations] == [str(check)[:14] for check in other.violations], name
+
+
+def _scale(one: ps.Assessment, metric: str) -> float:
+    """Largest of the arm; what flows back is held against what is put in."""
+    kinds = {"energy_out": ("energy_in", "energy_out"), "peak_regenerated_power": ("peak_power", metric)}
+    values: Array = np.concatenate([getattr(one, kind) for kind in kinds.get(metric, (metric,))])
+    return max(1.0, float(values[np.isfinite(values)].max(initial=0.0)))
+
+
+@pytest.mark.parametrize("first", range(0, 104, 26))
+def test_an_input_changed_by_1e_12_changes_nothing_that_is_told(puma: ps.Robot, first: int) -> None:
+    for seed in range(first, first + 26):
+        assert_no_jump(seed, puma)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(0, 10_400, 1040))
+def test_10_000_inputs_changed_by_1e_12_change_nothing_that_is_told(puma: ps.Robot, first: int) -> None:
+    for seed in range(first, first + 1040):
+        assert_no_jump(seed, puma)
+
+
+# ---- crowded zeros and critical points
+
+
+def crowded(rng: np.random.Generator) -> tuple[Array, Array]:
+    """A series with 2 to 5 zeros close together, at the middle, beside ends and cell borders or anywhere, and zeros."""
+    width = 10 ** rng.uniform(-3.0, -0.7)
+    inside = 1 - width / 2 - 1e-3
+    at = rng.choice([0.0, -inside, inside, 0.25, -0.5, np.cos(np.pi / 8), rng.uniform(-0.9, 0.9)])
+    close = np.clip(at + width * rng.uniform(-0.5, 0.5, rng.integers(2, 6)), -0.999999, 0.999999)
+    zeros = np.concatenate([close, rng.uniform(-1.5, 1.5, rng.integers(0, 4))])
+    series = chebyshev.chebfromroots(zeros)
+    if extra := int(rng.choice([0, 0, 20, 60, 110])):
+        # Times a function that has no zero: sum of |coefficients| below the first.
+        factor = rng.normal(size=extra) * 0.95 ** np.arange(extra)
+        factor[0] = 1.2 * np.abs(factor).sum() + 1
+        series = chebyshev.chebmul(series, factor)
+    return series / np.abs(series).sum(), np.sort(zeros[np.abs(zeros) < 1])
+
+
+@pytest.mark.parametrize("seed", range(300))
+def test_no_zero_and_no_extremum_is_missed_however_crowded(seed: int) -> None:
+    """Three sign changes within a cell of the former grid were seen as one, and peaks between them missed.
+
+    An excursion between two zeros counts where it is above the rounding of the series, 2e-12 of its coefficients.
+    """
+    series, zeros = crowded(np.random.default_rng([8, seed]))
+    edges = np.concatenate([[-1.0], zeros, [1.0]])
+    between = np.linspace(edges[:-1], edges[1:], 41)
+    if np.abs(chebyshev.chebval(between, series)).max(axis=0).min() > 2e-12:
+        found = Piecewise(breaks=[-1.0, 1.0], coefficients=series[:, None, None]).roots()[0]
+        assert len(found) == len(zeros)
+    integral = chebyshev.chebint(series)
+    extrema = Piecewise(breaks=[-1.0, 1.0], coefficients=integral[:, None, None]).extrema()
+    candidates = chebyshev.chebval(edges, integral)
+    rounding = 1e-14 * np.abs(integral).sum()
+    assert extrema.max[0] == pytest.approx(candidates.max(), abs=rounding, rel=0)
+    assert extrema.min[0] == pytest.approx(candidates.min(), abs=rounding, rel=0)
+
+
+@pytest.mark.parametrize("at", [-1.0, -0.75, -0.3, 0.0, 0.1, 0.5, 1.0])
+@pytest.mark.parametrize("degree", [0, 7, 30, 120])
+def test_double_zeros_are_no_sign_change_and_triple_ones_are_one(at: float, degree: int) -> None:
+    """At the middle, at borders of cells, at the ends and elsewhere; times a positive series of any degree."""
+    factor = np.append(3.0, 0.9 ** np.arange(degree) * np.cos(np.arange(degree)) / 10)
+    for power, expected in ((2, 0), (3, 1), (4, 0)):
+        series = chebyshev.chebmul(chebyshev.chebfromroots([at] * power), factor)
+        found = Piecewise(breaks=[-1.0, 1.0], coefficients=series[:, None, None]).roots()[0]
+        assert len(found) == (expected if abs(at) < 1 else 0)
+        # Rounding blurs a triple zero to its third root.
+        np.testing.assert_allclose(found, [at] * len(found), rtol=0, atol=3e-4)
+
+
+# ---- a start under a high jerk, and what flows back
+
+
+def test_the_first_microseconds_of_a_move_under_a_high_jerk_are_no_rest(puma: ps.Robot) -> None:
+    """Travel of 1e-22 rad in the first phase was taken for rest: no friction there, and a peak that no one feels."""
+    points = np.tile([0.0, 0.8, -2.5, 0.0, 0.4, 0.0], (2, 1))
+    points[:, 1] = 0.8, 0.4  # down: friction helps
+    move = ps.profiles.double_s(points, max_velocity=0.5, max_acceleration=0.2, max_jerk=1e6)
+    assert move.position.lengths[0] < 1e-6
+    assert (move.direction.coefficients[0, :, 1] == -1).all()
+    assert_true(puma, move, "double_s")
+
+
+def test_a_turn_at_a_via_is_at_the_via() -> None:
+    """Beside a stop the velocity is below its rounding, and a root of it 1e-5 s away was taken for the turn."""
+    points = np.tile([0.0, 0.8, -2.5, 0.0, 0.4, 0.0], (5, 1)) + np.outer([0, 0.3, 0.1, 0.47, -0.2], np.ones(6))
+    times = [0.0, 1.7, 2.9, 4.4, 7.3]
+    for name in ("quintic_segments", "classic_septic", "cycloidal", "cubic"):
+        move = getattr(ps.profiles, name)(points, times)
+        assert move.direction.breaks.tolist() == times, name
+
+
+def test_what_flows_back_is_no_rounding(puma: ps.Robot) -> None:
+    """1e-16 W of a joint that others shake was told as power that flows back; floors come from the whole arm."""
+    points = np.tile([0.0, 0.8, -2.5, 0.0, 0.4, 0.0], (2, 1))
+    points[:, 0] = 0.0, 0.5
+    still = points.copy()
+    still[1, 3:] += [0.0, 1e-12, 1e-12]
+    for some in (points, still):
+        result = ps.assess(puma, ps.quintic_segments(some, [0.0, 2.0]))
+        assert result.peak_power[1:].tolist() == [0.0] * 5
+        assert result.peak_regenerated_power[1:].tolist() == [0.0] * 5
+        assert result.energy_out[1:].tolist() == [0.0] * 5

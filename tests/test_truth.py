@@ -198,3 +198,37 @@ def test_what_flows_back_is_no_rounding(puma: ps.Robot) -> None:
         assert result.peak_power[1:].tolist() == [0.0] * 5
         assert result.peak_regenerated_power[1:].tolist() == [0.0] * 5
         assert result.energy_out[1:].tolist() == [0.0] * 5
+
+
+# ---- smooth motions given as a function, and limits that are met
+
+
+@pytest.mark.parametrize(("rate", "duration"), [(5.0, 2.0), (5.0, 10.0), (20.0, 10.0), (5.0, 60.0), (20.0, 60.0)])
+def test_a_smooth_motion_that_is_fitted_has_no_steps(puma: ps.Robot, rate: float, duration: float) -> None:
+    """Joins of fitted pieces were steps of velocity: rounding of joints that rest made the torque infinite."""
+    rest = np.array([0.0, 0.8, -2.5, 0.0, 0.4, 0.0])
+
+    def swing(t: Array) -> Array:
+        moving = 0.3 * np.sin(rate * t / 2) ** 2 * np.sin(np.pi * t / duration) ** 4
+        return rest + moving[:, None] * np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+
+    ends = np.array([0.0, duration])
+    move = ps.Trajectory(position=Piecewise.fit(swing, ends), points=swing(ends), times=ends)
+    result = ps.assess(puma, move)
+    assert not len(move.jumps(1).times)
+    assert np.isfinite(result.peak_torque).all()
+    t = np.linspace(0.0, duration, 200_001)
+    # Second differences, good to the square of the step and to rounding over it.
+    acceleration = np.abs(np.diff(swing(t)[:, 0], 2)).max() / t[1] ** 2
+    assert result.peak_acceleration[0] == pytest.approx(acceleration, rel=1e-3)
+
+
+def test_a_profile_made_at_its_limits_keeps_them(puma: ps.Robot) -> None:
+    """57 of 200 moves of `double_s` at the arm's own limits broke them by 2e-10, and were infeasible."""
+    rng, reach = np.random.default_rng(0), puma.limits.position
+    for count in [2] * 10 + [5] * 10 + [20] * 10:
+        v, a, j = rng.uniform(0.5, 3, 6).round(2), rng.uniform(1, 20, 6).round(1), rng.uniform(10, 300, 6).round()
+        limited = puma.with_limits(position=np.full((6, 2), np.nan), effort=np.nan, velocity=v, acceleration=a, jerk=j)
+        points = rng.uniform(reach[:, 0], reach[:, 1], (count, 6)).round(2)
+        move = ps.profiles.double_s(points, max_velocity=v, max_acceleration=a, max_jerk=j)
+        assert not ps.assess(limited, move).violations

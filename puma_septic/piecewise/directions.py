@@ -69,25 +69,18 @@ def _turning_points(times: Array, values: Array, allowed: float) -> tuple[Array,
 
     A turn is an extremum from which the position comes back by more than `allowed`.
     """
-    # Only local extrema and the ends can turn.
-    steps = np.sign(np.diff(values))
-    moving = np.flatnonzero(steps)
-    inner = moving[1:][steps[moving[1:]] != steps[moving[:-1]]]
-    if not len(inner):
-        travel = values[-1] - values[0]
-        return times[:0], np.array([np.sign(travel) if abs(travel) > allowed else 0.0])
     at = values.tolist()
     turns: list[int] = []
     low = high = extreme = 0
     sign = 0.0
-    for k in [*inner.tolist(), len(at) - 1]:
+    for k, value in enumerate(at):
         if sign == 0.0:
-            low, high = (k if at[k] < at[low] else low), (k if at[k] > at[high] else high)
+            low, high = (k if value < at[low] else low), (k if value > at[high] else high)
             if at[high] - at[low] > allowed:
                 sign, extreme = (1.0 if high > low else -1.0), k
-        elif sign * (at[k] - at[extreme]) >= 0:
+        elif sign * (value - at[extreme]) >= 0:
             extreme = k
-        elif sign * (at[extreme] - at[k]) > allowed:
+        elif sign * (at[extreme] - value) > allowed:
             turns.append(extreme)
             sign, extreme = -sign, k
     alternating = (-1.0) ** np.arange(len(turns) + 1)

@@ -366,7 +366,7 @@ class Piecewise:
 
     def ends(self) -> tuple[Array, Array]:
         """Values at the left and right end of each interval, each of shape (n, m)."""
-        left = np.tensordot(matrices.signs(self.degree), self.coefficients, 1)
+        left = _apply(matrices.signs(self.degree)[None], self.coefficients)[0]
         return left, self.coefficients.sum(axis=0)
 
     def jumps(self) -> Jumps:

@@ -47,6 +47,7 @@ _LOCAL = 10
 _CONTROL_ROUNDING = 1024 * _EPS
 # Halvings after which sign changes are one: 1e-9 of the interval, closer than rounding tells double zeros apart.
 _HALVINGS = 30
+_EIGHTHS = np.linspace(-1.0, 1.0, 9)
 # Values that are held at once: 16 MB.
 _BLOCK = 1 << 21
 
@@ -57,7 +58,7 @@ def find_extrema(breaks: Array, coefficients: Array) -> tuple[tuple[Array, Array
     series = coefficients.reshape(-1, n * m)
     size = np.abs(coefficients)
     equal = _ROUNDING * size.sum(axis=0).max(axis=0)
-    left, right = np.tensordot(matrices.signs(len(series) - 1), coefficients, 1), coefficients.sum(axis=0)
+    left, right = (matrices.signs(len(series) - 1) @ series).reshape(n, m), coefficients.sum(axis=0)
     low, high = np.minimum(left, right).min(axis=0), np.maximum(left, right).max(axis=0)
     ends = np.arange(n * m)
     found = [(ends, np.full(n * m, -1.0), left.ravel()), (ends, np.full(n * m, 1.0), right.ravel())]
@@ -131,10 +132,10 @@ class _Cells(NamedTuple):
 
 def _eighths(series: Array) -> _Cells:
     """Each column of a low degree in eight cells."""
-    parts, count = matrices.bernstein_eighths(len(series) - 1), series.shape[1]
-    control = np.ascontiguousarray((parts @ series).transpose(1, 2, 0)).reshape(len(series), 8 * count)
-    edges = np.linspace(-1.0, 1.0, 9)
-    return _Cells(np.repeat(np.arange(count), 8), np.tile(edges[:-1], count), np.tile(edges[1:], count), control)
+    parts = matrices.bernstein_eighths(len(series) - 1) @ series
+    number = np.arange(8 * series.shape[1])
+    column, part = number // 8, number % 8
+    return _Cells(column, _EIGHTHS[part], _EIGHTHS[part + 1], parts.transpose(1, 2, 0).reshape(len(series), -1))
 
 
 def _cells_of(series: Array, column: Index, k: Index, grid: int) -> _Cells:

@@ -59,7 +59,11 @@ class Motion:
         return self.torque * self.trajectory.derivative(1)
 
     def signal(self, quantity: str) -> Piecewise:
-        """A quantity as a function of time: "position", "velocity", "acceleration", "jerk" or "effort".
+        """A quantity as a function of time: "position", "velocity", "acceleration", "jerk", "effort" ...
+
+        A derivative of the torque is that of its smooth part, without the steps of the Coulomb friction: a real joint
+        passes from stiction to sliding over some travel, and where makers limit the rate it is that of a command
+        without friction (libfranka, ``franka::Torques``: "without gravity and friction").
 
         Returns
         -------
@@ -71,7 +75,19 @@ class Motion:
             For an unknown quantity.
         """
         row = QUANTITIES[checked_choice("quantity", quantity, QUANTITIES)]
-        return self.trajectory.derivative(row.order) if row.signal == "position" else self.torque
+        if row.signal == "position":
+            return self.trajectory.derivative(row.order)
+        if row.order == 0:
+            return self.torque
+        function = self.torque - self.coulomb
+        for _ in range(row.order):
+            function = function.derivative()
+        return function
+
+    @property
+    def coulomb(self) -> Piecewise:
+        """The part of the torque that Coulomb friction takes, constant between the breaks of `torque`, N m (N)."""
+        return self.direction.stepwise(coulomb_torque(self.robot, self.direction.coefficients[0]))
 
     @property
     def torque_terms(self) -> TorqueTerms[Piecewise]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal, final
 
-__all__ = ["MAGNITUDES", "MOTION", "QUANTITIES", "Quantity", "typeset"]
+__all__ = ["COMMON", "MAGNITUDES", "MOTION", "QUANTITIES", "Quantity", "typeset"]
 
 
 @final
@@ -29,6 +29,8 @@ class Quantity:
         Of a revolute and of a prismatic joint.
     is_hard : bool
         Whether no arm can follow where it is infinite, whatever its limit; an infinite jerk it smooths.
+    is_optional : bool
+        Whether nothing is said of it where no joint has a limit of it, as it is not known of most arms.
 
     Examples
     --------
@@ -43,6 +45,7 @@ class Quantity:
     order: int
     units: tuple[str, str]
     is_hard: bool = False
+    is_optional: bool = False
 
     def unit(self, is_prismatic: object) -> str:
         """Unit of a prismatic or a revolute joint's value; a NumPy boolean will do.
@@ -79,6 +82,9 @@ QUANTITIES: Final[Mapping[str, Quantity]] = MappingProxyType({row.name: row for 
 
 MOTION: Final = tuple(row.name for row in _ROWS if row.signal == "position")
 """Position and its derivatives, by order."""
+
+COMMON: Final = tuple(row.name for row in _ROWS if not row.is_optional)
+"""The quantities that every arm is asked for."""
 
 MAGNITUDES: Final = tuple(row.name for row in _ROWS if not row.is_range)
 """The quantities whose limit is a magnitude, one number per joint."""

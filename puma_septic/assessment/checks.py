@@ -60,7 +60,7 @@ def unknown_values(robot: Robot) -> tuple[str, ...]:
     # A continuous joint has no position limit to know.
     unknown: dict[str, Any] = {
         "position limit": np.isnan(limits.position).any(axis=1) & ~robot.is_continuous,
-        **{f"{name} limit": np.isnan(getattr(limits, name)) for name in MAGNITUDES},
+        **{f"{name} limit": np.isnan(getattr(limits, name)) for name in limits.quantities if name in MAGNITUDES},
         "rotor inertia (its torque is left out)": np.isnan([actuator.armature for actuator in actuators]),
         "viscous friction (its torque is left out)": np.isnan([actuator.viscous_friction for actuator in actuators]),
         "Coulomb friction (its torque is left out)": np.isnan(

@@ -11,11 +11,12 @@ import numpy as np
 from puma_septic.dynamics import inverse_dynamics, mass_matrix
 from puma_septic.motion import Motion
 from puma_septic.piecewise import Jumps
+from puma_septic.quantities import MOTION, Quantity
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array
 
-__all__ = ["JointMetrics", "PowerMetrics", "joint_metrics", "power_metrics"]
+__all__ = ["JointMetrics", "PowerMetrics", "derivative_peak", "joint_metrics", "power_metrics"]
 
 # Joints whose mass matrix entry is below this part of the geometric mean of both diagonal ones are not coupled.
 _COUPLED = 1e-12
@@ -102,6 +103,31 @@ def first_blows(motion: Motion) -> tuple[Array, Array]:
     A step dv of the velocity takes the impulse ``M(q) dv``: it strikes every joint that is coupled to one that steps.
     """
     return blows(motion.robot, motion.trajectory, motion.trajectory.jumps(1))
+
+
+def derivative_peak(motion: Motion, quantity: Quantity) -> tuple[Array, Array]:
+    """Largest magnitude of a derivative of the torque and its instant, each of shape (n_joints,).
+
+    It is infinite, from the first step on, where the torque steps or is unbounded: a step of the acceleration da
+    makes it step by ``M(q) da`` at every joint that is coupled to one that steps. The steps of Coulomb friction are
+    left out, see `Motion.signal`.
+    """
+    extrema = motion.signal(quantity.name).extrema()
+    steps = [
+        blows(motion.robot, motion.trajectory, motion.trajectory.jumps(order))[0]
+        for order in range(1, min(quantity.order + 2, len(MOTION)))
+    ]
+    first = np.fmin.reduce(steps)
+    return np.where(np.isnan(first), extrema.peak, np.inf), np.where(np.isnan(first), extrema.t_peak, first)
+
+
+def coulomb_steps(motion: Motion) -> Array:
+    """Largest step of each joint's Coulomb friction where it starts, stops or reverses, N m (N), shape (n_joints,)."""
+    left, right = motion.coulomb.ends()
+    rest = np.zeros((1, motion.robot.n_joints))
+    before, after = np.concatenate([rest, right]), np.concatenate([left, rest])
+    inside = slice(0 if motion.trajectory.rest_before else 1, None if motion.trajectory.rest_after else -1)
+    return np.asarray(np.abs(after - before)[inside].max(axis=0, initial=0.0))
 
 
 def blows(robot: Robot, trajectory: Trajectory, jumps: Jumps) -> tuple[Array, Array]:

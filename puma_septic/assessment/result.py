@@ -9,7 +9,14 @@ from typing import Any, final
 import numpy as np
 
 from puma_septic.assessment.checks import limit_checks, unknown_values
-from puma_septic.assessment.joints import PowerMetrics, holding_torque, joint_metrics, power_metrics
+from puma_septic.assessment.joints import (
+    PowerMetrics,
+    coulomb_steps,
+    derivative_peak,
+    holding_torque,
+    joint_metrics,
+    power_metrics,
+)
 from puma_septic.assessment.tool import ToolMetrics, tool_metrics
 from puma_septic.document import SCHEMAS, plain
 from puma_septic.errors import InputError
@@ -37,6 +44,7 @@ _PER_JOINT = (
 _TOOL = (
     "peak_speed", "peak_speed_time", "peak_acceleration", "peak_acceleration_time", "height_range", "height_times",
 )  # fmt: skip
+_TORQUE_DERIVATIVES = tuple(row for row in QUANTITIES.values() if row.signal == "torque" and row.order)
 _SINGULARITY = ("kind", "least_distance", "time", "crossings")
 
 
@@ -140,11 +148,13 @@ class Assessment:
     @cached_property
     def checks(self) -> tuple[LimitCheck, ...]:
         """Every known limit held against its demand, joint by joint, and every demand that no arm can meet."""
-        demands = {name: self.peak(name) for name in MAGNITUDES}
+        demands = {name: self.peak(name) for name in self.motion.robot.limits.quantities if name in MAGNITUDES}
         return limit_checks(self.motion.robot, self.position, demands)
 
     def peak(self, quantity: str) -> tuple[Array, Array]:
         """Largest magnitude of a quantity and its instant in s, each of shape (n_joints,): "velocity", "effort" ...
+
+        Also of what has no attribute of its own, a derivative of the torque. Infinite where it is unbounded.
 
         Returns
         -------
@@ -155,8 +165,14 @@ class Assessment:
         InputError
             For an unknown quantity; a position has bounds on both sides, see `position`.
         """
-        name = QUANTITIES[checked_choice("quantity", quantity, MAGNITUDES)].attribute
-        return getattr(self, f"peak_{name}"), getattr(self, f"peak_{name}_time")
+        row = QUANTITIES[checked_choice("quantity", quantity, MAGNITUDES)]
+        if row.signal == "torque" and row.order:
+            return self._torque_derivatives[quantity]
+        return getattr(self, f"peak_{row.attribute}"), getattr(self, f"peak_{row.attribute}_time")
+
+    @cached_property
+    def _torque_derivatives(self) -> dict[str, tuple[Array, Array]]:
+        return {row.name: derivative_peak(self.motion, row) for row in _TORQUE_DERIVATIVES}
 
     def keeps(self, margin: float = 0.0) -> tuple[LimitCheck, ...]:
         """What does not keep its limit with so much to spare: empty where all is kept.
@@ -215,7 +231,7 @@ class Assessment:
         Shape (n_joints,) each; NaN where the limit is not known, ``-inf`` where the demand is infinite.
         """
         names = self.motion.robot.joint_names
-        result = {quantity: np.full(len(names), np.nan) for quantity in QUANTITIES}
+        result = {quantity: np.full(len(names), np.nan) for quantity in self.motion.robot.limits.quantities}
         for check in self.checks:
             result[check.quantity][names.index(check.joint)] = check.margin
         return result
@@ -223,7 +239,7 @@ class Assessment:
     @property
     def remarks(self) -> tuple[str, ...]:
         """What a reader must know to read the numbers right."""
-        return (*self.motion.robot.notes, *_static_friction_remarks(self))
+        return (*self.motion.robot.notes, *_static_friction_remarks(self), *_friction_step_remarks(self))
 
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready document; numbers in SI units, "unbounded" for infinity, null for what is not known."""
@@ -257,9 +273,16 @@ class Assessment:
             "position_min": plain(self.position.min[j]),
             "position_max": plain(self.position.max[j]),
             **{key: plain(getattr(self, key)[j]) for key in _PER_JOINT},
+            **{key: plain(values[j]) for key, values in self._further_peaks().items()},
             "margins": {quantity: plain(values[j]) for quantity, values in self.margins.items()},
             "checks": [check.to_dict() for check in self.checks if check.joint == robot.joint_names[j]],
         }
+
+    def _further_peaks(self) -> dict[str, Array]:
+        """Peaks of the optional quantities that there are limits of, as their attributes would be called."""
+        known = [row for row in _TORQUE_DERIVATIVES if row.name in self.motion.robot.limits.quantities]
+        peaks = {f"peak_{row.attribute}": self.peak(row.name) for row in known}
+        return {key: size for key, (size, _) in peaks.items()} | {f"{key}_time": t for key, (_, t) in peaks.items()}
 
     def __str__(self) -> str:
         return view.text(self.to_dict())
@@ -324,6 +347,21 @@ def _static_friction_remarks(assessment: Assessment) -> tuple[str, ...]:
         return ()
     remark = "at rest, static friction may carry any torque within its band (N m), taken as 0 here: " + ", ".join(bands)
     return (remark, *_holding_remarks(assessment))
+
+
+def _friction_step_remarks(assessment: Assessment) -> tuple[str, ...]:
+    """What a limited derivative of the torque leaves out."""
+    known = [row.label for row in _TORQUE_DERIVATIVES if row.name in assessment.motion.robot.limits.quantities]
+    steps = coulomb_steps(assessment.motion) if known else np.zeros(0)
+    if not steps.any():
+        return ()
+    joints = [
+        f"{name} {size:.3g}" for name, size in zip(assessment.motion.robot.joint_names, steps, strict=True) if size
+    ]
+    return (
+        f"the {' and the '.join(known)} is that of the torque without Coulomb friction, which steps where a joint"
+        f" starts, stops or reverses, by up to (N m): {', '.join(joints)}",
+    )
 
 
 def _holding_remarks(assessment: Assessment) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ import traceback
 from collections.abc import Sequence
 from pathlib import Path
 
-from puma_septic import __version__
+from puma_septic._version import __version__
 
 __all__ = ["fault_text"]
 

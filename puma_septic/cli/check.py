@@ -11,7 +11,7 @@ from typing import Any, Final, final
 import numpy as np
 
 import puma_septic
-from puma_septic import __version__
+from puma_septic._version import __version__
 from puma_septic.cli.arguments import Answer
 from puma_septic.cli.tasks import asked_robot
 from puma_septic.cli.texts import wrapped

@@ -211,7 +211,7 @@ def _unknown(robot: Robot, allowed: frozenset[str]) -> list[Reason]:
     limits = robot.limits
     missing = {
         "position": np.isnan(limits.position).any(axis=1) & ~robot.is_continuous,
-        **{name: np.isnan(getattr(limits, name)) for name in MAGNITUDES},
+        **{name: np.isnan(getattr(limits, name)) for name in limits.quantities if name in MAGNITUDES},
     }
     reasons = [
         _missing("limit_unknown", robot.joint_names[j], quantity, f"no {quantity} limit", allowed)
@@ -264,7 +264,7 @@ def _finite_part(robot: Robot, trajectory: Trajectory, assessment: Assessment | 
     function = trajectory.derivative(quantity.order)
     if quantity.signal == "torque":
         assert assessment is not None  # else there is no check of a torque
-        function = assessment.motion.torque
+        function = assessment.motion.signal(check.quantity)
     extrema = function.extrema()
     return LimitCheck.of_magnitude(
         joint=check.joint,

@@ -10,6 +10,7 @@ import numpy as np
 
 from puma_septic.document import plain
 from puma_septic.errors import InputError
+from puma_septic.quantities import MAGNITUDES, QUANTITIES
 from puma_septic.validation import checked_choice
 
 __all__ = [
@@ -30,7 +31,11 @@ AT_REST: Final = float(np.finfo(np.float32).eps)
 VERDICTS: Final = ("ok", "undecided", "violated", "invalid")
 """From good to bad; the verdict of several is the last that occurs."""
 
+# What a step of a lower derivative makes infinite.
+_UNBOUNDED: Final = tuple(f"unbounded_{name}" for name in MAGNITUDES if name != "velocity")
 _VIOLATED: Final = {
+    **{f"{name}_limit": f"the {row.label} of a joint exceeds its limit" for name, row in QUANTITIES.items()},
+    **dict.fromkeys(_UNBOUNDED, "a step of a derivative of the motion makes it infinite"),
     "position_limit": "a joint leaves its range",
     "velocity_limit": "a joint is faster than its limit",
     "acceleration_limit": "an acceleration exceeds its limit",
@@ -56,8 +61,7 @@ REASON_CODES: Final = {**_VIOLATED, **_UNDECIDED, **_INVALID}
 """What each code of a reason means; those of files that cannot be read are in `puma_septic.ros.FAULT_CODES`."""
 
 ALLOWABLE: Final = (
-    "limit_unknown", "drive_unknown", "torque_unknown", "unbounded_acceleration", "unbounded_jerk", "unbounded_effort",
-    "moving_start", "moving_end",
+    "limit_unknown", "drive_unknown", "torque_unknown", *_UNBOUNDED, "moving_start", "moving_end",
 )  # fmt: skip
 """Codes that the caller may allow: what is not known, and what a real drive smooths."""
 

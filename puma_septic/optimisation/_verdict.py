@@ -121,7 +121,7 @@ def known_quantities(robot: Robot | None) -> tuple[str, ...]:
         return ()
     limits = robot.limits
     known = [name for name in QUANTITIES if not np.isnan(getattr(limits, name)).all()]
-    return tuple(name for name in known if name != "effort" or not robot.missing_inertia)
+    return tuple(name for name in known if QUANTITIES[name].signal == "position" or not robot.missing_inertia)
 
 
 def _use(check: LimitCheck) -> str:

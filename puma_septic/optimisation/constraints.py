@@ -66,7 +66,7 @@ def _limit_check(robot: Robot | None, quantity: str) -> Excess:
         return lambda candidate: _beyond_positions(candidate, limit)
     if row.signal == "position":
         return lambda candidate: _beyond(candidate.trajectory.extrema(row.order), limit)
-    return lambda candidate: _beyond(candidate.motion.torque.extrema(), limit)
+    return lambda candidate: _beyond(candidate.motion.signal(quantity).extrema(), limit)
 
 
 def _beyond_positions(candidate: Candidate, limit: Array) -> Array:

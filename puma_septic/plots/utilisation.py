@@ -23,7 +23,7 @@ from puma_septic.plots.style import (
     titled,
     unique_labels,
 )
-from puma_septic.quantities import QUANTITIES
+from puma_septic.quantities import COMMON, QUANTITIES
 
 __all__ = ["plot_utilisation"]
 
@@ -59,7 +59,7 @@ def plot_utilisation(assessment: Assessment | Sequence[Assessment], *, labels: S
     shown = [quantity for quantity in QUANTITIES if any(check.quantity == quantity for check in checks)]
     # An infinite acceleration or torque breaks a limit that is not known, too.
     known = {check.quantity for check in checks if not np.isnan(check.limit)}
-    unknown = [quantity for quantity in QUANTITIES if quantity not in known]
+    unknown = [quantity for quantity in COMMON if quantity not in known]
     joints = group[0].motion.robot.joint_names
     figure = new_figure(1.0 + 0.16 * len(joints) * (len(group) + 1))
     panels = figure.subplots(1, max(1, len(shown)), sharey=True, squeeze=False)[0]

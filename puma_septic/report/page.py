@@ -14,7 +14,7 @@ from markupsafe import Markup
 from puma_septic._version import __version__
 from puma_septic.assessment import Assessment
 from puma_septic.errors import InputError, ModelError
-from puma_septic.quantities import QUANTITIES
+from puma_septic.quantities import COMMON, QUANTITIES
 from puma_septic.report.cases import Case, Reported, case_of, task_case
 from puma_septic.report.groups import Group, groups_of
 from puma_septic.report.panels import Bar, samples_of, utilisation_bars
@@ -149,7 +149,7 @@ def _section(case: Case) -> Section:
         head=_head(assessments, resolved),
         comparison=Markup(profiles_view.html(documents, labels)) if len(labels) > 1 else Markup(""),
         bars=bars,
-        unknown=", ".join(one.label for one in QUANTITIES.values() if one.label not in bars),
+        unknown=", ".join(QUANTITIES[name].label for name in COMMON if QUANTITIES[name].label not in bars),
         replay=replay,
         no_replay=no_replay,
         groups=groups_of(group),

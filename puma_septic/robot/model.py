@@ -205,20 +205,31 @@ class Robot:
         return replace(self, actuators=tuple(actuators))
 
     def with_limits(
-        self,
-        limits: Limits | None = None,
-        *,
-        position: ArrayLike | None = None,
-        velocity: ArrayLike | None = None,
-        acceleration: ArrayLike | None = None,
-        jerk: ArrayLike | None = None,
-        effort: ArrayLike | None = None,
+        self, limits: Limits | None = None, *, position: ArrayLike | None = None, **magnitudes: ArrayLike | None
     ) -> Robot:
-        """The same arm with other limits: a whole set, or the named ones; a scalar holds for all joints."""
+        """The same arm with other limits: a whole set, or the named ones.
+
+        Parameters
+        ----------
+        limits : Limits, optional
+        position : array_like, shape (n_joints, 2), optional
+        **magnitudes : array_like, shape () or (n_joints,), optional
+            Any of ``velocity``, ``acceleration``, ``jerk``, ``effort`` and the others of `Limits`; a scalar holds for
+            all joints.
+
+        Returns
+        -------
+        Robot
+
+        Raises
+        ------
+        InputError
+            For a name that is no limit's, or values that are none.
+        """
         new = self.limits if limits is None else _instance("limits", limits, Limits)
-        given = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk, "effort": effort}
         changes: dict[str, Any] = {}
-        for name, value in given.items():
+        for name, value in magnitudes.items():
+            checked_choice("limit", name, QUANTITIES)
             if value is not None:
                 shape = () if np.ndim(value) == 0 else (self.n_joints,)
                 checked = checked_array(name, value, shape, allow_nan=True)
@@ -254,7 +265,7 @@ class Robot:
             "is_continuous": bool(self.is_continuous[j]),
             "origin": plain(place),
             "axis": plain(axis),
-            "limits": {name: plain(getattr(self.limits, name)[j]) for name in QUANTITIES},
+            "limits": {name: plain(getattr(self.limits, name)[j]) for name in self.limits.quantities},
             "actuator": plain({key: getattr(self.actuators[j], key) for key in _ACTUATOR}),
         }
 

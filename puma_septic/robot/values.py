@@ -8,7 +8,7 @@ from typing import Literal, final
 import numpy as np
 
 from puma_septic.errors import InputError
-from puma_septic.quantities import MAGNITUDES
+from puma_septic.quantities import MAGNITUDES, QUANTITIES
 from puma_septic.validation import Array, checked_array, checked_choice, checked_number
 
 __all__ = ["Actuator", "Limits", "Payload", "Wrench"]
@@ -103,6 +103,13 @@ class Limits:
                 k = int(np.argmax(values <= 0))
                 raise InputError(f"{name} limit[{k}] = {values[k]:g} must be positive (NaN where unknown)")
             object.__setattr__(self, name, values)
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Those to speak of: all, but of the optional ones only those with a limit that is known for some joint."""
+        return tuple(
+            name for name, row in QUANTITIES.items() if not (row.is_optional and np.isnan(getattr(self, name)).all())
+        )
 
 
 @final

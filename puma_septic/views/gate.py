@@ -7,7 +7,7 @@ from math import isfinite
 from typing import Any, Final
 
 from puma_septic.limit_check import LimitCheck
-from puma_septic.quantities import QUANTITIES
+from puma_septic.quantities import COMMON, QUANTITIES
 from puma_septic.views.checks import read_checks, verdict
 from puma_septic.views.tables import Cell, number, text_table
 
@@ -64,8 +64,9 @@ def _margin_table(margins: Sequence[LimitCheck]) -> str:
     """The worst margin of each joint and quantity, and when."""
     found = {(margin.joint, margin.quantity): margin for margin in margins}
     joints = list(dict.fromkeys(margin.joint for margin in margins))
-    headers = ["joint", *(quantity.label for quantity in QUANTITIES.values())]
-    rows: list[list[Cell]] = [[joint, *(_cell(found.get((joint, name))) for name in QUANTITIES)] for joint in joints]
+    shown = [name for name in QUANTITIES if name in COMMON or any(margin.quantity == name for margin in margins)]
+    headers = ["joint", *(QUANTITIES[name].label for name in shown)]
+    rows: list[list[Cell]] = [[joint, *(_cell(found.get((joint, name))) for name in shown)] for joint in joints]
     note = "Worst margin and its instant: what is left of the limit; for positions the distance to the nearer bound"
     return f"{text_table(headers, rows)}\n{note}"
 

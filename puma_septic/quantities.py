@@ -75,6 +75,9 @@ _ROWS: Final = (
     ),
     Quantity(name="jerk", label="jerk", signal="position", order=3, units=("rad/s^3", "m/s^3")),
     Quantity(name="effort", label="torque", signal="torque", order=0, units=("N m", "N"), is_hard=True),
+    Quantity(
+        name="torque_rate", label="torque rate", signal="torque", order=1, units=("N m/s", "N/s"), is_optional=True
+    ),
 )
 
 QUANTITIES: Final[Mapping[str, Quantity]] = MappingProxyType({row.name: row for row in _ROWS})

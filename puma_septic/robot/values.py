@@ -82,6 +82,9 @@ class Limits:
         Magnitudes in rad/s, rad/s^2, rad/s^3 and N m (m/s ... and N for prismatic joints).
     source : str
         Where the numbers come from.
+    torque_rate : array_like, shape (n_joints,), optional
+        Magnitude of the torque's derivative, N m/s (N/s), such as 1000 N m/s of a Franka arm (libfranka,
+        ``kMaxTorqueRate``); Coulomb friction apart.
     """
 
     position: Array
@@ -90,6 +93,7 @@ class Limits:
     jerk: Array
     effort: Array
     source: str = ""
+    torque_rate: Array = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
         position = checked_array("position", self.position, (None, 2), allow_nan=True)
@@ -97,6 +101,8 @@ class Limits:
             k = int(np.argmax(position[:, 0] >= position[:, 1]))
             raise InputError(f"position[{k}]: lower bound {position[k, 0]:g} is not below upper {position[k, 1]:g}")
         object.__setattr__(self, "position", position)
+        if not np.size(self.torque_rate):
+            object.__setattr__(self, "torque_rate", np.full(len(position), np.nan))
         for name in MAGNITUDES:
             values = checked_array(name, getattr(self, name), (len(position),), allow_nan=True)
             if (values <= 0).any():

@@ -218,6 +218,7 @@ class LimitsSection(Section):
     acceleration: PerJoint | None = None
     jerk: PerJoint | None = None
     effort: PerJoint | None = None
+    torque_rate: PerJoint | None = None
 
 
 @final

@@ -24,6 +24,7 @@ _RELATIVE, _FLOOR = 1e-9, 1e-12
 # A peak is flat: its instant is known to the square root of a rounding, 1.5e-8, of the motion's scale of time.
 _INSTANT = 1e-7
 _NUMBER = re.compile(r"-?\d+\.?\d*(?:e[+-]?\d+)?")
+_LONG = re.compile(r"-?\d+\.\d{11,}(?:e[+-]?\d+)?")
 # The quick tier has a task in every form; the others differ from it by robot and points.
 _QUICK = ("joints.txt", "joints.json", "joints.csv", "joints.html", "joints.robot.html", "paper.sizing.txt")
 
@@ -36,7 +37,7 @@ def test_what_is_written(name: str, request: pytest.FixtureRequest) -> None:
     path = _FILES / name
     if request.config.getoption("--update-golden"):
         if not path.exists() or not _is_same(name, written, path.read_text(encoding="utf-8")):
-            path.write_text(_folded(json.loads(written)) if name.endswith(".json") else written, encoding="utf-8")
+            path.write_text(_kept(name, written), encoding="utf-8")
         return
     golden = path.read_text(encoding="utf-8")
     _compare_files(name, written, golden)
@@ -51,6 +52,12 @@ def _portable(text: str) -> str:
     for ours in (f"puma-septic {ps.__version__}", f'"version": "{ps.__version__}"'):
         text = text.replace(ours, ours.replace(ps.__version__, "VERSION"))
     return text.replace(str(ROBOTS), "ROBOTS")
+
+
+def _kept(name: str, written: str) -> str:
+    """The file's text: numbers to 12 digits, so that a change of rounding changes no line of it."""
+    text = _folded(json.loads(written)) if name.endswith(".json") else written
+    return _LONG.sub(lambda number: repr(float(f"{float(number[0]):.12g}")), text)
 
 
 def _folded(value: Any, indent: str = "") -> str:

@@ -102,7 +102,7 @@ def typeset(unit: str) -> str:
 
     Examples
     --------
-    >>> typeset("rad/s^2")
-    'rad/s²'
+    >>> typeset("rad^2/s^5")
+    'rad²/s⁵'
     """
-    return unit.replace("^2", "²").replace("^3", "³")
+    return unit.replace("^2", "²").replace("^3", "³").replace("^5", "⁵")

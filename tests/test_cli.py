@@ -20,6 +20,10 @@ from puma_septic.cli.arguments import parse
 from puma_septic.cli.texts import broken_text
 from puma_septic.task import load_task, make_task, resolve_task
 
+FIGURES = (
+    "utilisation", "torque", "torque-split-quintic_segments", "torque-speed", "tool", "position", "velocity",
+    "acceleration", "jerk",
+)  # fmt: skip
 COMMAND = [sys.executable, "-m", "puma_septic.cli"]
 
 JOINTS = """
@@ -147,19 +151,19 @@ def test_out_has_report_json_samples_and_figures(
     assert (tmp_path / "out" / "assessment.json").read_text() == capsys.readouterr().out
     assert (tmp_path / "out" / "report.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     names = {path.name for path in (tmp_path / "out" / "small").iterdir()}
-    drawn = ("position", "velocity", "acceleration", "jerk", "torque", "torque-speed", "tool")
-    split = "torque-split-quintic_segments.svg"
-    assert names == {"samples-quintic_segments.csv", split, *(f"{name}.svg" for name in drawn)}
+    assert names == {"samples-quintic_segments.csv", *(f"{name}.svg" for name in FIGURES)}
     assert "<svg" in (tmp_path / "out" / "small" / "jerk.svg").read_text(encoding="utf-8")
 
 
-def test_png_adds_the_figures_of_matplotlib(joints: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_each_figure_is_there_as_png_and_svg(joints: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The PNG files were `joints`, `workspace`, ... where the SVG files were `position`, `tool`, ..."""
     assert main(["assess", joints, "--out", str(tmp_path / "out")]) == 0
     assert capsys.readouterr().err == ""
-    found = {path.name: path.read_bytes() for path in (tmp_path / "out" / "small").glob("*.png")}
-    drawn = ("joints", "torque", "torque-split-quintic_segments", "utilisation", "workspace")
-    assert set(found) == {f"{name}.png" for name in drawn}
-    assert all(content.startswith(b"\x89PNG") for content in found.values())
+    found = {path.name: path.read_bytes() for path in (tmp_path / "out" / "small").iterdir()}
+    for name in FIGURES:
+        assert found[f"{name}.png"].startswith(b"\x89PNG")
+        assert f"{name}.svg" in found
+    assert len(found) == 1 + 2 * len(FIGURES)
 
 
 def test_out_leaves_nothing_behind_when_a_figure_fails(

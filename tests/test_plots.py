@@ -13,7 +13,8 @@ from matplotlib.figure import Figure
 import puma_septic as ps
 from puma_septic import plots
 from puma_septic.assessment import Assessment, assess
-from puma_septic.plots.style import PALETTE, sampled
+from puma_septic.pictures import HUES, PROFILES
+from puma_septic.piecewise import sampled
 
 # The eight colours of Okabe and Ito, "Color Universal Design", 2008.
 OKABE_ITO = {"#000000", "#E69F00", "#56B4E9", "#009E73", "#F0E442", "#0072B2", "#D55E00", "#CC79A7"}
@@ -109,14 +110,16 @@ def test_pyplot_is_never_loaded() -> None:
 
 
 def test_palette_is_colour_blind_safe() -> None:
-    assert set(PALETTE) <= OKABE_ITO
-    assert len(set(PALETTE)) == len(PALETTE)
+    colours = {hue.light.upper() for hue in PROFILES}
+    assert colours <= OKABE_ITO
+    assert len(colours) == len(PROFILES)
+    assert len({hue.name for hue in HUES}) == len(HUES)
 
 
 def test_each_profile_has_its_colour_in_all_figures(figures: dict[str, Figure]) -> None:
     for name in ("trajectory", "joints", "torque", "workspace"):
         entries = figures[name].legends[0].get_lines()
-        assert [entries[0].get_color(), entries[1].get_color()] == list(PALETTE[:2]), name
+        assert [entries[0].get_color(), entries[1].get_color()] == [hue.light for hue in PROFILES[:2]], name
 
 
 def test_curves_are_the_trajectory(septic: Assessment) -> None:
@@ -226,7 +229,7 @@ def test_causes_sum_to_the_total(septic: Assessment) -> None:
     figure = plots.plot_torque_split(septic)
     t = np.linspace(0.01, 8.99, 50)
     for j, panel in enumerate(figure.axes):
-        total, *causes = (np.interp(t, *line.get_data()) for line in panel.lines)
+        *causes, total = (np.interp(t, *line.get_data()) for line in panel.lines)
         size = np.abs(total).max()
         # Straight lines between 480 instants: their error is about (9 s / 480)^2 / 8 times the curvature.
         np.testing.assert_allclose(np.sum(causes, axis=0), total, atol=2e-3 * size, err_msg=f"joint {j + 1}")
@@ -236,9 +239,9 @@ def test_split_names_only_the_causes_there_are(puma: ps.Robot, points: np.ndarra
     def names(assessment: Assessment) -> list[str]:
         return [text.get_text() for text in plots.plot_torque_split(assessment).legends[0].get_texts()]
 
-    assert names(septic) == ["total", "inertia", "coriolis", "gravity", "rotor", "viscous", "coulomb"]
+    assert names(septic) == ["inertia", "coriolis", "gravity", "rotor", "viscous", "coulomb", "total"]
     loaded = assess(puma.with_payload(ps.Payload(mass=2.5)), ps.septic(points, TIMES))
-    assert names(loaded)[-1] == "payload"
+    assert names(loaded)[-2:] == ["payload", "total"]
 
 
 def test_workspace_goes_through_the_via_points(septic: Assessment, puma: ps.Robot) -> None:
@@ -255,9 +258,9 @@ def test_utilisation_bars(septic: Assessment, unblended: Assessment) -> None:
     position, velocity, acceleration, torque = figure.axes
     used = [bar.get_width() for bar in velocity.containers[0]]
     np.testing.assert_allclose(used, 100 * (1 - septic.margins["velocity"]))
-    assert [text.get_text() for text in torque.texts[6:]] == ["unbounded!"] * 6
+    assert [text.get_text() for text in torque.texts[6:]] == ["unbounded !"] * 6
     # An infinite acceleration breaks a limit that is not known, too; joint 4 is still.
-    assert [text.get_text() for text in acceleration.texts[6:]].count("unbounded!") == 5
+    assert [text.get_text() for text in acceleration.texts[6:]].count("unbounded !") == 5
     assert [text.get_text().endswith("!") for text in position.texts[:6]] == [
         False,
         True,

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import puma_septic as ps
-from puma_septic.plots import sizing as drawn
+from puma_septic.pictures.sizing import sizing_pictures
 
 RPM = 60 / (2 * np.pi)
 
@@ -68,19 +68,25 @@ def test_no_known_limit_is_said() -> None:
     assert ps.plots.plot_torque_speed(sizing).axes[0].get_title(loc="right") == "no torque limit known"
     with pytest.raises(ps.InputError, match="no limit of the drive trains is known"):
         ps.plots.plot_sizing_utilisation(sizing)
-    assert [name for name, _ in drawn.sizing_figures(sizing)] == ["torque-speed", "torque-split", "ratio-sweep"]
+    assert [picture.name for picture in sizing_pictures(sizing)] == ["torque-speed", "torque-split", "ratio-sweep"]
 
 
 def test_every_check_has_a_bar_and_its_number() -> None:
-    panel = ps.plots.plot_sizing_utilisation(chosen()).axes[0]
-    numbers = [text.get_text() for text in panel.texts]
-    assert numbers == [f"{100 * check.utilisation:.0f} %" for check in chosen().checks]
-    bars, frames = panel.patches[::2], panel.patches[1::2]
-    for check, bar, frame in zip(chosen().checks, bars, frames, strict=True):
-        share = bar.get_width() / frame.get_width()
-        assert share == pytest.approx(min(check.utilisation, 1.0), abs=1e-12)
-    assert "inertia ratio (?)" in [label.get_text() for label in panel.get_yticklabels()]
-    hatched = [bar for bar in bars if bar.get_hatch()]
+    figure = ps.plots.plot_sizing_utilisation(chosen())
+    names = [label.get_text().removesuffix(" (?)") for label in figure.axes[0].get_yticklabels()]
+    for panel, joint in zip(figure.axes, chosen().cycle.joint_names, strict=True):
+        checks = {check.quantity: check for check in chosen().checks if check.joint == joint}
+        lengths = {round(bar.get_y() + bar.get_height() / 2): bar.get_width() for bar in panel.patches}
+        for row, name in enumerate(names):
+            text = panel.texts[row].get_text()
+            if name not in checks:
+                assert (text, lengths[row]) == ("not assessed", 0.0)
+                continue
+            percent = 100 * checks[name].utilisation
+            assert text == f"{percent:.0f} %{' !' if checks[name].is_violated else ''}"
+            assert lengths[row] == pytest.approx(min(percent, 125.0), abs=1e-12)
+    assert "inertia ratio (?)" in [label.get_text() for label in figure.axes[0].get_yticklabels()]
+    hatched = [bar for panel in figure.axes for bar in panel.patches if bar.get_hatch()]
     assert len(hatched) == len(chosen().warnings)
 
 
@@ -100,7 +106,7 @@ def test_an_unknown_temperature_says_why() -> None:
 
 def test_split_of_several_cycles() -> None:
     figure = ps.plots.plot_sizing_torque_split([own(), own(loaded=True)], labels=["empty", "loaded"])
-    gravity = [bar.get_height() for bar in figure.axes[1].patches[:2]]
+    gravity = [bar.get_width() for bar in figure.axes[1].containers[0]]
     assert gravity == [one.demands[1].rms_by_cause["gravity"] for one in (own(), own(loaded=True))]
     assert texts(figure) == {"gravity", "motion", "rotor", "friction"}
     with pytest.raises(ps.InputError, match="2 texts are needed"):
@@ -126,7 +132,8 @@ def _with_ratio(gearbox: ps.Gearbox, ratio: float) -> ps.Gearbox:
 
 
 def test_all_figures_have_units_and_can_be_written() -> None:
-    for name, figure in drawn.sizing_figures(chosen()):
+    for picture in sizing_pictures(chosen()):
+        name, figure = picture.name, ps.plots.draw(picture)
         buffer = io.BytesIO()
         figure.savefig(buffer, format="png")
         assert len(buffer.getvalue()) > 10_000, name

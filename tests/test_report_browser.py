@@ -158,7 +158,7 @@ def test_text_and_curves_are_legible(page: Page, file: Path, scheme: Any) -> Non
             text: [
               of("body", "color"), of(".quiet", "color"), of(".chart text", "fill"), of(".broken .number", "color"),
             ],
-            curves: [".c0", ".c1", ".c2", ".total"].map((one) => of("polyline" + one, "stroke")),
+            curves: [".blue", ".vermilion", ".green", ".ink"].map((one) => of("polyline" + one, "stroke")),
           };
         }"""
     )

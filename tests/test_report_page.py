@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 from html import unescape
 from html.parser import HTMLParser
@@ -20,12 +21,11 @@ from urdf_texts import ARM, load
 import puma_septic as ps
 from puma_septic.assessment import Assessment
 from puma_septic.errors import ModelError
-from puma_septic.piecewise import Piecewise, sampled
+from puma_septic.pictures import Curve, Panel, assessment_pictures, chart, profile_line
 from puma_septic.report import page
 from puma_septic.report.cases import reason
-from puma_septic.report.charts import BOX, Curve, Mark, chart, ticks
-from puma_septic.report.groups import groups_of, svg_figures
-from puma_septic.report.panels import motion_charts, samples_of, split_charts, utilisation_bars
+from puma_septic.report.charts import BOX, Chart, ticks
+from puma_septic.report.svg import picture_svg
 from puma_septic.task import ResolvedTask, assess_task, load_task, make_task, resolve_task
 from puma_septic.views import profiles
 
@@ -211,7 +211,7 @@ def test_names_are_text(tmp_path: Path) -> None:
     tags = Counter(tag for tag, _ in Page(html).tags)
     assert tags["script"] == 3  # the replay's text, the instants, and the page's own
     assert HOSTILE in Page(html).text
-    assert svg_figures([ps.assess(robot, trajectory)])["torque"].count("<script") == 0
+    assert all("<script" not in svg for svg in figures([ps.assess(robot, trajectory)], [HOSTILE]).values())
 
 
 def test_an_arm_that_cannot_be_drawn_is_still_reported(puma: ps.Robot, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -302,99 +302,51 @@ def test_what_is_no_assessment(puma: ps.Robot, tmp_path: Path) -> None:
 # ---- charts
 
 
-def points_of(one: tuple[Curve, str]) -> np.ndarray:
-    return np.array([pair.split(",") for pair in one[1].split()], dtype=float)
+def figures(assessments: Sequence[Assessment], labels: Sequence[str]) -> dict[str, str]:
+    return {picture.name: picture_svg(picture) for picture in assessment_pictures(assessments, labels)}
 
 
-def test_samples_have_both_sides_of_a_break() -> None:
-    step = Piecewise(breaks=[0.0, 1.0, 3.0], coefficients=[[[0.0], [2.0]]])
-    t, values = sampled(step, samples=6, least=3)
-    assert t.tolist() == [0.0, 0.5, 1.0, 1.0, 1.0 + 2 / 3, 1.0 + 4 / 3, 3.0]
-    assert values[:, 0].tolist() == [0.0] * 3 + [2.0] * 4
+def drawn(title: str, *, y_label: str = "q [rad]", remark: str = "") -> Chart:
+    curve = Curve(x=np.array([0.0, 1.0]), y=np.array([0.0, 1.0]), line=profile_line(0))
+    return Chart(panel=chart("time", [curve], title=title, y_label=y_label, remark=remark))
 
 
 def test_curves_are_where_their_values_are(paper: tuple[ResolvedTask, tuple[Assessment, ...]]) -> None:
     """Read back from the picture; a hundredth of a pixel is 1/14,000 of its height."""
-    one = samples_of(paper[1][0], "septic")
-    for j, drawn in enumerate(motion_charts([one], 1)):
-        x, y = points_of(drawn.lines[0]).T
+    (velocity,) = [one for one in assessment_pictures(paper[1][:1], ["septic"]) if one.name == "velocity"]
+    for j, panel in enumerate(velocity.panels):
+        x, y = points_of(panel).T
         t = 9.0 * (x - LEFT) / (RIGHT - LEFT)
-        v = drawn.low + (BOTTOM - y) / (BOTTOM - TOP) * (drawn.high - drawn.low)
+        low, high = panel.y_range
+        v = low + (BOTTOM - y) / (BOTTOM - TOP) * (high - low)
         exact = paper[1][0].motion.trajectory(np.clip(t, 0, 9), order=1)[:, j]
-        np.testing.assert_allclose(v, exact, atol=3e-4 * (drawn.high - drawn.low))
+        np.testing.assert_allclose(v, exact, atol=3e-4 * (high - low))
+
+
+def points_of(panel: Panel) -> np.ndarray:
+    ((_, points),) = Chart(panel=panel).lines
+    return np.array([pair.split(",") for pair in points.split()], dtype=float)
 
 
 def test_steps_of_the_jerk_are_upright_lines(paper: tuple[ResolvedTask, tuple[Assessment, ...]]) -> None:
     """mstraj's jerk steps at the ends of its blends, here at 1.5 s; and at both ends of the motion, from rest."""
-    drawn = motion_charts([samples_of(paper[1][1], "lspb")], 3)[1]
-    x, y = points_of(drawn.lines[0]).T
+    (jerk,) = [one for one in assessment_pictures(paper[1][1:2], ["lspb"]) if one.name == "jerk"]
+    x, y = points_of(jerk.panels[1]).T
     upright = x[:-1][(np.diff(x) == 0) & (np.abs(np.diff(y)) > 1)]
     times = 9.0 * (upright - LEFT) / (RIGHT - LEFT)
     for expected in (0.0, 0.5, 1.5, 2.5, 9.0):
         assert np.abs(times - expected).min() < 1e-3  # a hundredth of a pixel is 0.3 ms
 
 
-def test_an_impulse_is_an_arrowhead(puma: ps.Robot) -> None:
-    straight = ps.profiles.linear([[0.0] * 6, [0.5] * 6], [0.0, 2.0])
-    one = samples_of(ps.assess(puma, straight), "linear")
-    marks = motion_charts([one], 2)[0].marks
-    assert [(mark.shape, mark.x) for mark, _, _ in marks] == [("up", 0.0), ("down", 2.0)]
-
-
-def test_causes_sum_to_the_total(paper: tuple[ResolvedTask, tuple[Assessment, ...]]) -> None:
-    charts, key = split_charts(samples_of(paper[1][0], "septic"), 0)
-    assert [name for _, name in key] == ["inertia", "coriolis", "gravity", "rotor", "viscous", "coulomb", "total"]
-    *causes, (total, _) = charts[1].lines
-    t = np.linspace(0.1, 8.9, 50)
-    parts = sum(np.interp(t, curve.x, curve.y) for curve, _ in causes)
-    # Straight lines between 200 samples of curves of some 60 N m.
-    np.testing.assert_allclose(parts, np.interp(t, total.x, total.y), atol=0.02)
-
-
-def test_every_axis_has_its_unit(paper: tuple[ResolvedTask, tuple[Assessment, ...]]) -> None:
-    group = [samples_of(one, f"p{k}") for k, one in enumerate(paper[1])]
-    for headed in groups_of(group):
-        for drawn in headed.charts:
-            assert re.search(r"\[.+\]$", drawn.y_label), drawn.title
-            assert re.search(r"\[.+\]$", drawn.x_label), drawn.title
-
-
-def test_a_sliding_joint_has_its_own_units(tmp_path: Path) -> None:
-    text = ARM.replace('name="shoulder" type="revolute"', 'name="shoulder" type="prismatic"')
-    one = samples_of(ps.assess(load(tmp_path, text), move(2)), "move")
-    labels = {drawn.title: drawn.y_label for drawn in motion_charts([one], 2)}
-    assert labels == {"shoulder": "acceleration [m/s²]", "elbow": "acceleration [rad/s²]"}
-
-
-def test_limits_near_are_lines_and_far_ones_are_words() -> None:
-    curve = Curve(x=np.array([0.0, 1.0]), y=np.array([-1.0, 1.0]), css="c0", profile=0, label="a")
-    near = chart("time", [curve], title="j", y_label="v [rad/s]", limits=(-1.5, 1.5))
-    assert (len(near.level_limits), near.remark) == (2, "")
-    far = chart("time", [curve], title="j", y_label="v [rad/s]", limits=(-100.0, 100.0))
-    assert (len(far.level_limits), far.remark) == (0, "limit ±100")
-    unknown = chart("time", [curve], title="j", y_label="v [rad/s]", limits=(np.nan, np.nan))
-    assert (len(unknown.level_limits), unknown.remark) == (0, "")
-
-
-def test_a_path_is_drawn_to_one_scale() -> None:
-    curve = Curve(x=np.array([0.0, 3.0]), y=np.array([0.0, 1.0]), css="c0", profile=0, label="a")
-    (x0, y0), (x1, y1) = points_of(chart("path", [curve], title="p", y_label="y [m]", x_label="x [m]").lines[0])
-    assert (y0 - y1) / (x1 - x0) == pytest.approx(1 / 3, abs=1e-3)  # hundredths of a pixel
-
-
-def test_a_still_joint_is_a_level_line_in_the_middle() -> None:
-    curve = Curve(x=np.array([0.0, 1.0]), y=np.array([1.0, 1.0 + 1e-15]), css="c0", profile=0, label="a")
-    y = points_of(chart("time", [curve], title="j", y_label="q [rad]", marks=[Mark(x=0, y=1, shape="via")]).lines[0])[
-        :, 1
-    ]
-    np.testing.assert_allclose(y, (TOP + BOTTOM) / 2, atol=0.01)
-
-
-def test_a_long_name_is_cut_but_kept_for_readers() -> None:
-    curve = Curve(x=np.array([0.0, 1.0]), y=np.array([0.0, 1.0]), css="c0", profile=0, label="a")
-    drawn = chart("time", [curve], title="a" * 40, y_label="q [rad]")
-    assert len(drawn.short_title) == 26
-    assert drawn.title == "a" * 40
+def test_a_long_title_is_cut_where_it_would_run_into_something() -> None:
+    assert drawn("a" * 40).short_title == "a" * 40
+    assert drawn("a" * 60).short_title == "a" * 44 + "…"
+    assert drawn("a" * 60).panel.title == "a" * 60
+    beside = drawn("a" * 30, remark="b" * 20)
+    assert (beside.short_title, beside.short_remark) == ("a" * 24 + "…", "b" * 20)
+    long = drawn("joint1", remark="unbounded: " + ", ".join(["profile"] * 9))
+    assert long.short_title == "joint1"
+    assert len(long.short_title + long.short_remark + long.panel.y_label) == 52
 
 
 @given(st.floats(-1e6, 1e6), st.floats(1e-6, 1e6))
@@ -409,26 +361,18 @@ def test_ticks_are_few_round_and_inside(low: float, size: float) -> None:
     assert low - slack <= found[0] < found[-1] <= high + slack
 
 
-def test_bars_tell_unknown_broken_and_unbounded(puma: ps.Robot, tmp_path: Path) -> None:
-    straight = ps.profiles.linear([[0.0] * 6, [0.5] * 6], [0.0, 2.0])
-    one = samples_of(ps.assess(puma, straight), "linear")
-    assert utilisation_bars([one])["torque"][0][1][0].text == "unbounded !"
-    robot = load(tmp_path, ARM).with_limits(velocity=[0.3, np.nan])
-    texts = [bars[0].text for _, bars in utilisation_bars([samples_of(ps.assess(robot, move(2)), "a")])["velocity"]]
-    assert texts == ["156 % !", "not known"]
-
-
 # ---- SVG files
 
 
 def test_figures_stand_alone(paper: tuple[ResolvedTask, tuple[Assessment, ...]]) -> None:
     """Without variables in the style sheet, which drawing programs do not know, and well-formed."""
-    figures = svg_figures(paper[1][:1])
-    assert set(figures) == {
-        "torque", "torque-split-septic", "torque-speed", "tool", "position", "velocity", "acceleration", "jerk"
+    found = figures(paper[1][:1], ["septic"])
+    assert set(found) == {
+        "utilisation", "torque", "torque-split-septic", "torque-speed", "tool", "position", "velocity", "acceleration",
+        "jerk",
     }  # fmt: skip
-    for svg in figures.values():
+    for name, svg in found.items():
         assert "var(" not in svg
         tags = [tag for tag, _ in Page(svg).tags]
         assert tags[0] == "svg"
-        assert "polyline" in tags
+        assert ("rect" if name == "utilisation" else "polyline") in tags

@@ -13,6 +13,7 @@ from puma_septic.cli.arguments import Answer
 from puma_septic.cli.tasks import asked_task
 from puma_septic.cli.texts import assessed_text, turned_text
 from puma_septic.errors import InputError
+from puma_septic.pictures import assessment_pictures
 from puma_septic.report import assess_document, metrics_csv, new_folder, profile_labels, samples_csv, to_json
 from puma_septic.task import ResolvedTask, assess_task, resolve_task
 
@@ -56,7 +57,7 @@ def _write_folder(path: str, shown: Sequence[Assessed], *, png: bool) -> None:
     """Report, document and table of all, and for each task samples and figures in a folder of its own."""
     # Templates and the replay's libraries take longer to load than an assessment takes; matplotlib far longer.
     page = import_module("puma_septic.report.page")
-    drawn = import_module("puma_septic.report.groups")
+    svg = import_module("puma_septic.report.svg")
     with new_folder(path) as folder:
         (folder / "report.html").write_text(page.tasks_html(shown), encoding="utf-8")
         (folder / "assessment.json").write_text(to_json(assess_document(shown)), encoding="utf-8")
@@ -64,18 +65,13 @@ def _write_folder(path: str, shown: Sequence[Assessed], *, png: bool) -> None:
         for resolved, assessments in shown:
             inner = folder / _file_name(resolved.task.name)
             inner.mkdir()
-            for label, assessment in zip(profile_labels(assessments), assessments, strict=True):
+            labels = profile_labels(assessments)
+            for label, assessment in zip(labels, assessments, strict=True):
                 (inner / f"samples-{label}.csv").write_text(samples_csv(assessment), encoding="utf-8")
-            for name, figure in drawn.svg_figures(assessments).items():
-                (inner / f"{name}.svg").write_text(figure, encoding="utf-8")
+            pictures = assessment_pictures(assessments, labels)
+            svg.write_svg(inner, pictures)
             if png:
-                _write_png(inner, assessments)
-
-
-def _write_png(folder: Path, assessments: Sequence[Assessment]) -> None:
-    figures = import_module("puma_septic.report.figures")
-    for name, figure in figures.assessment_figures(assessments):
-        figures.save_png(figure, folder / f"{name}.png")
+                import_module("puma_septic.report.figures").write_png(inner, pictures)
 
 
 def _file_name(name: str) -> str:

@@ -26,8 +26,9 @@ def run(arguments: Namespace) -> Answer:
             page = import_module("puma_septic.report.page")
             html = page.report_html(comparison, title=f"{resolved.task.name}: profiles compared")
             (folder / "report.html").write_text(html, encoding="utf-8")
-            figure = import_module("puma_septic.plots").plot_comparison(comparison)
-            import_module("puma_septic.report.figures").save_figure(figure, folder / "comparison")
+            pictures = [import_module("puma_septic.pictures.comparison").comparison_picture(comparison)]
+            import_module("puma_septic.report.svg").write_svg(folder, pictures)
+            import_module("puma_septic.report.figures").write_png(folder, pictures)
     if arguments.format == "json":
         return Answer(to_json(comparison.to_dict()), 0)
     if arguments.format == "csv":

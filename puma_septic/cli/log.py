@@ -16,7 +16,7 @@ from puma_septic.cli.texts import margin_text, wrapped
 from puma_septic.document import SCHEMAS
 from puma_septic.errors import InputError
 from puma_septic.profiles.logged import JointLog, fit_residual, fit_trajectory, read_csv_trajectory
-from puma_septic.report import named_metrics_csv, new_folder, samples_csv, to_json
+from puma_septic.report import named_metrics_csv, new_folder, profile_labels, samples_csv, to_json
 from puma_septic.robot import Payload, Robot, load_robot
 from puma_septic.validation import Array
 from puma_septic.views.tables import number
@@ -113,11 +113,12 @@ def _document(arguments: Namespace, assessment: Assessment) -> dict[str, Any]:
 
 def _write_folder(arguments: Namespace, assessment: Assessment, document: dict[str, Any]) -> None:
     page = import_module("puma_septic.report.page")
-    drawn = import_module("puma_septic.report.groups")
+    pictures = import_module("puma_septic.pictures").assessment_pictures([assessment], profile_labels([assessment]))
     with new_folder(arguments.out) as folder:
         (folder / "report.html").write_text(page.report_html(assessment, title=str(arguments.csv)), encoding="utf-8")
         (folder / "assessment.json").write_text(to_json(document), encoding="utf-8")
         (folder / "metrics.csv").write_text(named_metrics_csv([(str(arguments.csv), [assessment])]), encoding="utf-8")
         (folder / "samples.csv").write_text(samples_csv(assessment), encoding="utf-8")
-        for name, figure in drawn.svg_figures([assessment]).items():
-            (folder / f"{name}.svg").write_text(figure, encoding="utf-8")
+        import_module("puma_septic.report.svg").write_svg(folder, pictures)
+        if not arguments.no_png:
+            import_module("puma_septic.report.figures").write_png(folder, pictures)

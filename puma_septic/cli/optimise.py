@@ -43,15 +43,10 @@ def run(arguments: Namespace) -> Answer:
     if arguments.out is not None:
         with new_folder(arguments.out) as folder:
             (folder / "optimisation.json").write_text(document, encoding="utf-8")
-            # matplotlib takes longer to load than most optimisations take.
-            plots, figures = import_module("puma_septic.plots"), import_module("puma_septic.report.figures")
-            if isinstance(result, ParetoFront):
-                figures.save_figure(plots.plot_pareto_front(result), folder / "front")
-            else:
-                shown = {"start": result.start, "optimum": result.trajectory}
-                shown = {label: one for label, one in shown.items() if one is not None}
-                figure = plots.plot_trajectory([*shown.values()], labels=[*shown])
-                figures.save_figure(figure, folder / "optimum")
+            # Templates and matplotlib take longer to load than most optimisations take.
+            pictures = [import_module("puma_septic.pictures.front").optimisation_picture(result)]
+            import_module("puma_septic.report.svg").write_svg(folder, pictures)
+            import_module("puma_septic.report.figures").write_png(folder, pictures)
     text = document if arguments.format == "json" else f"Task {task.name!r}\n{result}"
     return Answer(text, 0 if _is_feasible(result) else 1)
 

@@ -129,6 +129,6 @@ def _write_folder(path: str, found: Sizing | Selection, title: str) -> None:
         # Templates, the replay and matplotlib take longer to load than everything else takes to compute.
         html = import_module("puma_septic.report.page").report_html(sizing, title=title)
         (folder / "report.html").write_text(html, encoding="utf-8")
-        figures = import_module("puma_septic.report.figures")
-        for name, figure in import_module("puma_septic.plots.sizing").sizing_figures(sizing):
-            figures.save_figure(figure, folder / name)
+        pictures = import_module("puma_septic.pictures.sizing").sizing_pictures(sizing)
+        import_module("puma_septic.report.svg").write_svg(folder, pictures)
+        import_module("puma_septic.report.figures").write_png(folder, pictures)

@@ -1,23 +1,32 @@
 """Figures for notebooks and reports: matplotlib figures, returned, never shown or saved.
 
-Colours are Okabe and Ito's, told apart by colour-blind readers. Every axis has its unit; steps stay steps.
+Each draws a picture that `puma_septic.pictures` describes, or several on axes of yours (`ax=`). Colours are Okabe and
+Ito's, told apart by colour-blind readers, one a profile. Every axis has its unit; steps stay steps.
 """
 
-from puma_septic.plots.comparison import plot_comparison, plot_pareto_front
-from puma_septic.plots.joints import plot_joints, plot_trajectory
-from puma_septic.plots.paper import paper_figures
-from puma_septic.plots.sizing import (
+from puma_septic.plots._comparison import plot_comparison, plot_pareto_front
+from puma_septic.plots._drawing import draw
+from puma_septic.plots._motion import (
+    plot_joints,
+    plot_tool,
+    plot_torque,
+    plot_torque_split,
+    plot_torque_velocity,
+    plot_trajectory,
+    plot_utilisation,
+    plot_workspace,
+)
+from puma_septic.plots._paper import paper_figures
+from puma_septic.plots._sizing import (
     plot_ratio_sweep,
     plot_sizing_torque_split,
     plot_sizing_utilisation,
     plot_torque_speed,
     plot_winding_temperature,
 )
-from puma_septic.plots.torque import plot_torque, plot_torque_split
-from puma_septic.plots.utilisation import plot_utilisation
-from puma_septic.plots.workspace import plot_workspace
 
 __all__ = [
+    "draw",
     "paper_figures",
     "plot_comparison",
     "plot_joints",
@@ -25,9 +34,11 @@ __all__ = [
     "plot_ratio_sweep",
     "plot_sizing_torque_split",
     "plot_sizing_utilisation",
+    "plot_tool",
     "plot_torque",
     "plot_torque_speed",
     "plot_torque_split",
+    "plot_torque_velocity",
     "plot_trajectory",
     "plot_utilisation",
     "plot_winding_temperature",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,10 +13,16 @@ from markupsafe import Markup
 from puma_septic._version import __version__
 from puma_septic.assessment import Assessment
 from puma_septic.errors import InputError, ModelError
-from puma_septic.quantities import COMMON, QUANTITIES
+from puma_septic.pictures import (
+    Entry,
+    Picture,
+    motion_pictures,
+    profile_entries,
+    samples_of,
+    unknown_limits,
+    utilisation_picture,
+)
 from puma_septic.report.cases import Case, Reported, case_of, task_case
-from puma_septic.report.groups import Group, groups_of
-from puma_septic.report.panels import Bar, samples_of, utilisation_bars
 from puma_septic.report.rendering import render
 from puma_septic.task import ResolvedTask
 from puma_septic.viewer import replay_html
@@ -26,8 +31,6 @@ from puma_septic.views import profiles as profiles_view
 
 __all__ = ["report_html", "tasks_html", "write_report"]
 
-# Bars end here, in parts of the limit; the style sheet draws the limit at 80 % of their track.
-_LONGEST_BAR: Final = 1.25
 # Digits of instants: a microsecond is far below what a picture shows.
 _DIGITS: Final = 6
 
@@ -41,11 +44,12 @@ class Section:
     description: str
     head: str
     comparison: Markup
-    bars: dict[str, list[tuple[str, list[Bar]]]]
+    profiles: tuple[Entry, ...]
+    utilisation: Picture
     unknown: str
     replay: str
     no_replay: str
-    groups: list[Group]
+    pictures: tuple[Picture, ...]
     tables: list[tuple[str, Markup]]
     not_assessed: list[str]
     remarks: list[str]
@@ -128,18 +132,12 @@ def tasks_html(tasks: Sequence[tuple[ResolvedTask, Sequence[Assessment]]]) -> st
 
 
 def _page(title: str, sections: Sequence[Section]) -> str:
-    return render("page.html.j2", title=title, sections=sections, version=__version__, bar_width=_bar_width)
-
-
-def _bar_width(used: float) -> str:
-    """Of the track, per cent."""
-    return "0" if math.isnan(used) else f"{100 * min(used, _LONGEST_BAR) / _LONGEST_BAR:.1f}"
+    return render("page.html.j2", title=title, sections=sections, version=__version__)
 
 
 def _section(case: Case) -> Section:
     assessments, labels, resolved = case.assessments, case.labels, case.resolved
     group = [samples_of(one, label) for one, label in zip(assessments, labels, strict=True)]
-    bars = utilisation_bars(group)
     documents = [one.to_dict() for one in assessments]
     replay, no_replay = _replay(case)
     repeat, inputs = _inputs(case)
@@ -148,11 +146,12 @@ def _section(case: Case) -> Section:
         description=" ".join(resolved.task.description.split()) if resolved is not None else "",
         head=_head(assessments, resolved),
         comparison=Markup(profiles_view.html(documents, labels)) if len(labels) > 1 else Markup(""),
-        bars=bars,
-        unknown=", ".join(QUANTITIES[name].label for name in COMMON if QUANTITIES[name].label not in bars),
+        profiles=profile_entries(labels),
+        utilisation=utilisation_picture(assessments, labels),
+        unknown=", ".join(unknown_limits(assessments)),
         replay=replay,
         no_replay=no_replay,
-        groups=groups_of(group),
+        pictures=motion_pictures(group),
         tables=[(label, Markup(assessment_view.tables(one))) for label, one in zip(labels, documents, strict=True)],
         not_assessed=_distinct(line for one in assessments for line in one.not_assessed),
         remarks=_distinct(line for one in assessments for line in one.remarks),

@@ -11,7 +11,8 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from puma_septic.report.charts import BOX, SIZE
+from puma_septic.pictures import HUES
+from puma_septic.report.charts import BOX, SIZE, Chart
 
 __all__ = ["render"]
 
@@ -32,8 +33,9 @@ def _environment() -> Environment:
     environment.globals |= {
         "box": BOX,
         "size": SIZE,
-        "chart_css": _own("chart.css"),
-        "figure_css": Markup(_on_paper(_own("chart.css"))),
+        "chart": lambda panel: Chart(panel=panel),
+        "chart_css": _hues() + _own("chart.css"),
+        "figure_css": Markup(_on_paper(_hues() + _own("chart.css"))),
         "page_css": _own("page.css"),
         "page_js": Markup(f"const BOX = {json.dumps(BOX)}, SIZE = {json.dumps(SIZE)};\n") + _own("page.js"),
     }
@@ -45,8 +47,21 @@ def _own(name: str) -> Markup:
     return Markup(files("puma_septic.report").joinpath("templates", name).read_text(encoding="utf-8"))
 
 
+def _hues() -> Markup:
+    """The colours of all pictures: variables, and a class for each."""
+    light = " ".join(f"--{hue.name}: {hue.light};" for hue in HUES)
+    dark = " ".join(f"--{hue.name}: {hue.dark};" for hue in HUES)
+    classes = " ".join(f".{hue.name} {{ color: var(--{hue.name}); }}" for hue in HUES)
+    return Markup(
+        f":root {{ {light} }}\n@media screen and (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}\n{classes}\n"
+    )
+
+
 def _on_paper(css: str) -> str:
     """The style sheet with the colours of its light page in place of variables, which drawing programs do not know."""
-    first = css[: css.index("@media")]
-    colours = dict(re.findall(r"(--\w[\w-]*): (#\w+);", first))
-    return re.sub(r"var\((--[\w-]+)\)", lambda match: colours[match[1]], css[css.index(".c0") :])
+    light = re.sub(r"@media[^{]*\{\s*:root \{[^}]*\}\s*\}", "", css)
+    colours = dict(re.findall(r"--([\w-]+): ([^;]+);", light))
+    plain = re.sub(r":root \{[^}]*\}", "", light)
+    while "var(" in plain:  # a variable may stand for another one
+        plain = re.sub(r"var\(--([\w-]+)\)", lambda match: colours[match[1]], plain)
+    return plain.strip()

@@ -24,7 +24,7 @@ function begin(section) {
       dot.setAttribute("class", line.getAttribute("class"));
       svg.querySelector(".dots").append(dot);
       let text = null;
-      if (svg.classList.contains("time") && (!quiet || line.classList.contains("total"))) {
+      if (svg.classList.contains("time") && (!quiet || line.classList.contains("ink"))) {
         text = document.createElementNS(svg.namespaceURI, "tspan");
         text.setAttribute("class", line.getAttribute("class"));
         svg.querySelector(".readout").append(text);
@@ -124,7 +124,7 @@ function begin(section) {
       if (entry.isIntersecting) { seen.add(entry.target); draw(entry.target); } else seen.delete(entry.target);
     }
   }, {rootMargin: "200px"});
-  section.querySelectorAll("svg.chart").forEach((svg) => watcher.observe(svg));
+  section.querySelectorAll("svg.chart:not(.still, .bars)").forEach((svg) => watcher.observe(svg));
   if (frame) {
     const opener = new IntersectionObserver((entries) => {
       if (!entries.some((entry) => entry.isIntersecting)) return;

@@ -1,0 +1,59 @@
+"""Each picture described once: what is drawn, in data coordinates, by whatever draws it.
+
+A `Picture` has panels, a panel curves, marks, limits and bars; `puma_septic.plots` draws it with matplotlib,
+`puma_septic.report` as SVG. To add one: write a function here that returns a `Picture`, and name it where its motions,
+comparison or sizing are listed (`motion_pictures`, `sizing_pictures`).
+"""
+
+from puma_septic.pictures._elements import ASPECT, Bar, Curve, Entry, Mark, Panel, Picture, Rule, bars, chart
+from puma_septic.pictures._motion import (
+    assessment_pictures,
+    derivative_picture,
+    motion_pictures,
+    profile_entries,
+    tool_picture,
+    torque_picture,
+    torque_speed_picture,
+    torque_split_picture,
+    via_places,
+)
+from puma_septic.pictures._samples import Samples, Track, samples_of, track_of
+from puma_septic.pictures._styles import HUES, LIMIT, PROFILES, Dot, Fill, Hue, Line, cause_lines, profile_line
+from puma_septic.pictures._utilisation import unknown_limits, utilisation_picture
+
+__all__ = [
+    "ASPECT",
+    "HUES",
+    "LIMIT",
+    "PROFILES",
+    "Bar",
+    "Curve",
+    "Dot",
+    "Entry",
+    "Fill",
+    "Hue",
+    "Line",
+    "Mark",
+    "Panel",
+    "Picture",
+    "Rule",
+    "Samples",
+    "Track",
+    "assessment_pictures",
+    "bars",
+    "cause_lines",
+    "chart",
+    "derivative_picture",
+    "motion_pictures",
+    "profile_entries",
+    "profile_line",
+    "samples_of",
+    "tool_picture",
+    "torque_picture",
+    "torque_speed_picture",
+    "torque_split_picture",
+    "track_of",
+    "unknown_limits",
+    "utilisation_picture",
+    "via_places",
+]

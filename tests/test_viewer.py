@@ -28,6 +28,7 @@ from test_robot_meshes import arm, dae, stl
 from urdf_texts import ARM, load
 
 import puma_septic as ps
+from puma_septic.pictures import profile_line
 from puma_septic.task import assess_task, load_task
 from puma_septic.viewer.animation import ANGLE_ERROR, key_times, utilisation
 from puma_septic.viewer.colours import UTILISATION, colour_at
@@ -199,6 +200,16 @@ def test_second_motions_are_ghosts(paper: tuple[ps.Assessment, ...]) -> None:
     assert all(0 < opacity < 0.5 for k in (1, 2) for opacity in opacities[k])
     assert not re.search(r"motion1/arm/shape", " ".join(things)), "a second base in the same place"
     assert all(f"/meshcat/motion{k}/path" in things for k in range(3))
+
+
+def test_a_motion_has_the_colour_of_its_curves(paper: tuple[ps.Assessment, ...]) -> None:
+    """The second motion was vermilion in all charts of a report and blue, the first one's colour, in its replay."""
+    html = ps.replay_html(paper)
+    expected = [profile_line(k).hue.light for k in range(3)]
+    assert [motion["colour"] for motion in page_data(html)["motions"]] == expected
+    for k in (1, 2):
+        arm = [thing for path, thing in drawn(html).items() if f"motion{k}/arm" in path]
+        assert {f"#{thing['materials'][0]['color']:06x}" for thing in arm} == {expected[k]}
 
 
 def test_path_is_a_tube_along_the_tools_way() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Literal, final
+from typing import Final, Literal, NamedTuple, final
 
 import numpy as np
 
@@ -119,9 +119,7 @@ class Panel:
         return sorted((bar for bar in self.bars if bar.row == row), key=lambda bar: bar.slot)
 
 
-@final
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class Entry:
+class Entry(NamedTuple):
     """One entry of a legend."""
 
     label: str

@@ -85,7 +85,7 @@ def derivative_picture(tracks: Sequence[Track], order: int, robot: Robot | None 
         )
         for j, joint in enumerate(_joint_names(tracks[0]) if robot is None else robot.joint_names)
     )
-    extra = [Entry(label="via point", style=VIA)] if order == 0 else []
+    extra = [Entry("via point", VIA)] if order == 0 else []
     return Picture(
         name=name,
         title=name.capitalize(),
@@ -120,7 +120,7 @@ def torque_picture(group: Sequence[Samples]) -> Picture:
                 remark=_unbounded_text(unbounded),
             )
         )
-    peak_entry = Entry(label="peak", style=Dot(shape="peak"))
+    peak_entry = Entry("peak", Dot(shape="peak"))
     return Picture(
         name="torque",
         title="Torque",
@@ -152,8 +152,8 @@ def torque_split_picture(one: Samples, profile: int = 0) -> Picture:
         title=f"Torque by cause: {one.label}",
         panels=tuple(panels),
         legend=(
-            *(Entry(label=name, style=lines[name]) for name in TERMS if seen[name].any()),
-            Entry(label="total", style=TOTAL),
+            *(Entry(name, lines[name]) for name in TERMS if seen[name].any()),
+            Entry("total", TOTAL),
         ),
         has_own_colours=True,
         is_folded=profile > 0,
@@ -209,7 +209,7 @@ def tool_picture(group: Sequence[Samples]) -> Picture:
         title="Tool",
         panels=tuple(panels),
         columns=2,
-        legend=(*profile_entries(one.label for one in group), Entry(label="via point", style=VIA)),
+        legend=(*profile_entries(one.label for one in group), Entry("via point", VIA)),
         note="In the world; circles are the points that the task asks for.",
     )
 
@@ -222,7 +222,7 @@ def via_places(one: Samples) -> Array:
 
 def profile_entries(labels: Iterable[str]) -> tuple[Entry, ...]:
     """The profiles' names and lines."""
-    return tuple(Entry(label=label, style=profile_line(k)) for k, label in enumerate(labels))
+    return tuple(Entry(label, profile_line(k)) for k, label in enumerate(labels))
 
 
 def _curve(x: Array, y: Array, k: int, label: str) -> Curve:
@@ -261,7 +261,7 @@ def _bounds(robot: Robot, quantity: str, j: int) -> Range:
 def _limit_entry(panels: Sequence[Panel]) -> tuple[Entry, ...]:
     """Only where a limit is drawn."""
     drawn = any(panel.levels or panel.uprights for panel in panels)
-    return (Entry(label="limit", style=LIMIT),) if drawn else ()
+    return (Entry("limit", LIMIT),) if drawn else ()
 
 
 def _unbounded_text(unbounded: Sequence[tuple[str, float]]) -> str:

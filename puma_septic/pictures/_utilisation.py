@@ -37,8 +37,8 @@ def utilisation_picture(assessments: Sequence[Assessment], labels: Sequence[str]
         title="Limit utilisation",
         panels=panels,
         legend=(
-            *(Entry(label=label, style=Fill(hue=profile_line(k).hue)) for k, label in enumerate(labels)),
-            Entry(label="limit", style=LIMIT),
+            *(Entry(label, Fill(hue=profile_line(k).hue)) for k, label in enumerate(labels)),
+            Entry("limit", LIMIT),
         ),
         footnote=f"Not assessed, because no limit is given: {', '.join(missing)}." if missing else "",
     )

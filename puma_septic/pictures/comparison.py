@@ -50,7 +50,7 @@ def comparison_picture(comparison: Comparison) -> Picture:
         title="Profiles compared",
         panels=tuple(_panel(comparison, title, label.format(unit), value) for title, label, value in _PANELS),
         columns=4,
-        legend=(Entry(label=f"Pareto-optimal in {names}", style=_BEST), Entry(label="dominated", style=_OTHERS)),
+        legend=(Entry(f"Pareto-optimal in {names}", _BEST), Entry("dominated", _OTHERS)),
         has_own_colours=True,
     )
 

@@ -44,9 +44,9 @@ def front_picture(front: ParetoFront) -> Picture:
         panels=(*panels, _times_panel(front, vias)),
         columns=2,
         legend=(
-            Entry(label="Pareto-optimal", style=_OPTIMAL),
-            Entry(label="times as given", style=_GIVEN),
-            *(Entry(label=f"via {k}", style=line) for k, line in vias.items()),
+            Entry("Pareto-optimal", _OPTIMAL),
+            Entry("times as given", _GIVEN),
+            *(Entry(f"via {k}", line) for k, line in vias.items()),
         ),
         has_own_colours=True,
     )

@@ -34,7 +34,7 @@ _DOT: Final = Dot(shape="dot", hue=PROFILES[1])
 _RATIOS: Final = np.geomspace(0.2, 5.0, 121)
 _KEPT, _CLOSE, _VIOLATED = Fill(hue=PROFILES[0]), Fill(hue=PROFILES[4]), Fill(hue=PROFILES[1])
 _UNUSUAL: Final = Fill(hue=PROFILES[1], is_hatched=True)
-# Utilisation from which a limit is close, %: a fifth in reserve is what drive makers usually advise.
+# Utilisation from which a bar is drawn as close to its limit, %; a matter of colour alone.
 _CLOSE_FROM: Final = 80.0
 _WIDTH: Final = 34  # characters of a message's line
 
@@ -54,10 +54,10 @@ def sizing_pictures(sizing: Sizing) -> tuple[Picture, ...]:
 def torque_speed_picture(sizing: Sizing) -> Picture:
     """Each motor's torque vs. its speed within what it can give, in all four quadrants."""
     legend = (
-        Entry(label="cycle", style=_SOLID),
-        Entry(label="RMS torque at mean speed", style=_DOT),
-        Entry(label="for a short time", style=LIMIT),
-        Entry(label="continuous (S1)", style=DOTTED),
+        Entry("cycle", _SOLID),
+        Entry("RMS torque at mean speed", _DOT),
+        Entry("for a short time", LIMIT),
+        Entry("continuous (S1)", DOTTED),
     )
     panels = tuple(_torque_speed_panel(name, d) for name, d in _joints(sizing))
     return Picture(name="torque-speed", title="Motor torque vs. speed", panels=panels, legend=legend)
@@ -124,11 +124,11 @@ def sizing_utilisation_picture(sizing: Sizing) -> Picture:
         for joint, _ in _joints(sizing)
     )
     legend = (
-        Entry(label=f"to {_CLOSE_FROM:.0f} %", style=_KEPT),
-        Entry(label="to 100 %", style=_CLOSE),
-        Entry(label="violated", style=_VIOLATED),
-        Entry(label="rule of thumb (?) exceeded", style=_UNUSUAL),
-        Entry(label="limit", style=LIMIT),
+        Entry(f"to {_CLOSE_FROM:.0f} %", _KEPT),
+        Entry("to 100 %", _CLOSE),
+        Entry("violated", _VIOLATED),
+        Entry("rule of thumb (?) exceeded", _UNUSUAL),
+        Entry("limit", LIMIT),
     )
     return Picture(name="utilisation", title="Limit utilisation", panels=panels, legend=legend, has_own_colours=True)
 
@@ -148,10 +148,10 @@ def _use_bar(check: LimitCheck | None, row: int) -> Bar:
 def winding_temperature_picture(sizing: Sizing) -> Picture:
     """Each winding's temperature over the steady cycle, with its limit and the ambient temperature."""
     legend = (
-        Entry(label="winding", style=_SECOND),
-        Entry(label="housing", style=_HOUSING),
-        Entry(label="limit of the winding", style=LIMIT),
-        Entry(label="ambient", style=DOTTED),
+        Entry("winding", _SECOND),
+        Entry("housing", _HOUSING),
+        Entry("limit of the winding", LIMIT),
+        Entry("ambient", DOTTED),
     )
     panels = tuple(_temperature_panel(name, d) for name, d in _joints(sizing))
     return Picture(name="winding-temperature", title="Winding temperature", panels=panels, legend=legend)
@@ -199,7 +199,7 @@ def sizing_torque_split_picture(group: Sequence[Sizing], labels: Sequence[str]) 
         name="torque-split",
         title="RMS torque by cause",
         panels=tuple(panels),
-        legend=tuple(Entry(label=cause, style=fills[cause]) for cause in causes),
+        legend=tuple(Entry(cause, fills[cause]) for cause in causes),
         has_own_colours=True,
     )
 
@@ -210,10 +210,10 @@ def ratio_sweep_picture(sizing: Sizing) -> Picture:
     The RMS torque is exact: with the load's mean squares it is a function of the ratio.
     """
     legend = (
-        Entry(label="RMS torque", style=_SOLID),
-        Entry(label="beyond the top speed", style=_BEYOND),
-        Entry(label="ratio at hand", style=_DOT),
-        Entry(label="continuous torque", style=DOTTED),
+        Entry("RMS torque", _SOLID),
+        Entry("beyond the top speed", _BEYOND),
+        Entry("ratio at hand", _DOT),
+        Entry("continuous torque", DOTTED),
     )
     panels = tuple(_ratio_panel(name, d) for name, d in _joints(sizing))
     return Picture(name="ratio-sweep", title="RMS torque vs. gear ratio", panels=panels, legend=legend)

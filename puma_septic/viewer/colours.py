@@ -8,9 +8,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from puma_septic.pictures import profile_line
 from puma_septic.validation import Array
 
-__all__ = ["GHOSTS", "NEUTRAL", "SOLID", "SPEED", "UTILISATION", "as_hex", "colour_at"]
+__all__ = ["NEUTRAL", "SPEED", "UTILISATION", "as_hex", "colour_at", "profile_colour"]
 
 # From rest over half to the limit. The green is the bluish green of Okabe and Ito, "Color Universal Design", 2008, and
 # the yellow is far lighter than both its neighbours, so that eyes that confuse red and green still see the order; the
@@ -20,10 +21,6 @@ UTILISATION: Final = ((0.0, 0.62, 0.45), (0.96, 0.86, 0.18), (0.84, 0.10, 0.11))
 SPEED: Final = ((0.62, 0.85, 0.96), (0.13, 0.49, 0.80), (0.10, 0.06, 0.40))
 # A link whose effort limit is not known, and the base, which carries no joint.
 NEUTRAL: Final = (0.72, 0.73, 0.75)
-# What a legend shows for the solid arm, whose links change colour.
-SOLID: Final = (0.36, 0.39, 0.43)
-# The second and further motions: Okabe and Ito's blue, reddish purple, orange and sky blue.
-GHOSTS: Final = ((0.0, 0.45, 0.70), (0.80, 0.47, 0.65), (0.90, 0.62, 0.0), (0.34, 0.71, 0.91))
 
 
 def colour_at(stops: Sequence[Sequence[float]], x: ArrayLike) -> Array:
@@ -46,3 +43,14 @@ def as_hex(colour: Sequence[float]) -> str:
     '#ff8000'
     """
     return "#" + "".join(f"{round(255 * channel):02x}" for channel in colour)
+
+
+def profile_colour(k: int) -> tuple[float, ...]:
+    """Red, green and blue (0 to 1) of the k-th motion: the colour of its curves in all charts.
+
+    Examples
+    --------
+    >>> as_hex(profile_colour(0))
+    '#0072b2'
+    """
+    return tuple(channel / 255 for channel in bytes.fromhex(profile_line(k).hue.light[1:]))

@@ -16,7 +16,7 @@ from typing import Any, Final
 import numpy as np
 
 from puma_septic.validation import Array
-from puma_septic.viewer.colours import GHOSTS, SOLID, SPEED, UTILISATION, as_hex
+from puma_septic.viewer.colours import SPEED, UTILISATION, as_hex, profile_colour
 from puma_septic.viewer.flags import Flag
 from puma_septic.viewer.scene import Shown, scene_commands
 
@@ -100,7 +100,7 @@ def _motion_data(one: Shown, k: int) -> dict[str, Any]:
         "tool": robot.tool,
         "verdict": one.assessment.verdict,
         "feasible": one.assessment.is_feasible,
-        "colour": as_hex(SOLID if k == 0 else GHOSTS[(k - 1) % len(GHOSTS)]),
+        "colour": as_hex(profile_colour(k)),
         "joints": list(robot.joint_names),
         "times": _rounded(one.times),
         "used": [_rounded(column) if np.isfinite(column).all() else None for column in one.used.T],

@@ -19,7 +19,7 @@ from puma_septic.kinematics import forward_kinematics, tool_motion
 from puma_septic.robot import Payload, Robot
 from puma_septic.validation import Array
 from puma_septic.viewer.animation import add_colours, add_joints, joint_paths, key_times, utilisation
-from puma_septic.viewer.colours import GHOSTS, SPEED, UTILISATION, colour_at
+from puma_septic.viewer.colours import SPEED, UTILISATION, colour_at, profile_colour
 from puma_septic.viewer.flags import Flag, flags_of
 from puma_septic.viewer.shapes import Placed, octahedron, placed_shapes, rotated_y_to_z, tube
 
@@ -101,7 +101,7 @@ def scene_commands(group: Sequence[Shown]) -> tuple[bytes, ...]:
     animation = Animation()
     commands = _surroundings()
     for k, one in enumerate(group):
-        root, ghost = f"{_ROOT}/motion{k}", None if k == 0 else GHOSTS[(k - 1) % len(GHOSTS)]
+        root, ghost = f"{_ROOT}/motion{k}", None if k == 0 else profile_colour(k)
         # A ghost stands on the solid arm's base.
         shared = k > 0 and one.assessment.motion.robot.geometry is group[0].assessment.motion.robot.geometry
         commands += _arm(one, f"{root}/arm", ghost, animation, start, draw_base=not shared)

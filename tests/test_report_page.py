@@ -95,14 +95,14 @@ def test_the_verdict_comes_first_in_one_sentence(html: str) -> None:
         "None of the 3 profiles keeps the limits; what governs is joint5: position -1.989 rad at 0 s, 0.244 rad beyond"
         " its bound of -1.745 rad (septic)."
     )
-    assert text.index("Infeasible") < text.index(sentence) < text.index("Use of the limits")
+    assert text.index("Infeasible") < text.index(sentence) < text.index("Limit utilisation")
     assert "All 8 branches of the inverse kinematics break the position limit of joint5 at take and place" in text
 
 
 def test_it_has_every_part(html: str) -> None:
     headings = re.findall("<(?:h3|summary)[^>]*>([^<]*)<", html)
     assert headings == [
-        "Use of the limits", "Replay", "Torque", "Torque by cause: septic", "Torque by cause: lspb",
+        "Limit utilisation", "Replay", "Torque", "Torque by cause: septic", "Torque by cause: lspb",
         "Torque by cause: quintic_segments", "Torque-speed plane", "Tool", "Position", "Velocity", "Acceleration",
         "Jerk", "Numbers", "Assumptions and sources", "To repeat it", "Inputs",
     ]  # fmt: skip

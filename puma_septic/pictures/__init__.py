@@ -19,7 +19,7 @@ from puma_septic.pictures._motion import (
 )
 from puma_septic.pictures._samples import Samples, Track, samples_of, track_of
 from puma_septic.pictures._styles import HUES, LIMIT, PROFILES, Dot, Fill, Hue, Line, cause_lines, profile_line
-from puma_septic.pictures._utilisation import unknown_limits, utilisation_picture
+from puma_septic.pictures._utilisation import utilisation_picture
 
 __all__ = [
     "ASPECT",
@@ -53,7 +53,6 @@ __all__ = [
     "torque_speed_picture",
     "torque_split_picture",
     "track_of",
-    "unknown_limits",
     "utilisation_picture",
     "via_places",
 ]

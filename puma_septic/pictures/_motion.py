@@ -38,7 +38,7 @@ _NOTES: Final = (
     "Circles are the points of the task; dashed: the limits.",
     "",
     "",
-    "Steps are upright lines; an arrowhead marks an impulse, where the value is unbounded.",
+    "Steps are drawn as vertical lines; an arrowhead marks an impulse, where the value is unbounded.",
 )
 
 
@@ -62,7 +62,7 @@ def assessment_pictures(assessments: Sequence[Assessment], labels: Sequence[str]
 
 
 def derivative_picture(tracks: Sequence[Track], order: int, robot: Robot | None = None) -> Picture:
-    """Position (0) to jerk (3) of every joint, with rest before and after; steps are upright lines.
+    """Position (0) to jerk (3) of every joint, with rest before and after; steps are vertical lines.
 
     Without a robot all joints are revolute and no limit is known.
 
@@ -181,7 +181,7 @@ def torque_speed_picture(group: Sequence[Samples]) -> Picture:
         title="Torque-speed plane",
         panels=tuple(panels),
         legend=(*profile_entries(one.label for one in group), *_limit_entry(panels)),
-        note="Torque over velocity; dashed: the limits of both.",
+        note="Torque vs. velocity; dashed: the limits of both.",
     )
 
 

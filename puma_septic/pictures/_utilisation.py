@@ -13,7 +13,7 @@ from puma_septic.pictures._elements import Bar, Entry, Panel, Picture, bars
 from puma_septic.pictures._styles import LIMIT, Fill, profile_line
 from puma_septic.quantities import QUANTITIES
 
-__all__ = ["percent_text", "unknown_limits", "utilisation_picture"]
+__all__ = ["percent_text", "utilisation_picture"]
 
 # Bars end here, %; their texts tell what is beyond.
 END: Final = 125.0
@@ -31,7 +31,7 @@ def utilisation_picture(assessments: Sequence[Assessment], labels: Sequence[str]
         for quantity in QUANTITIES
         if any(key[0] == quantity for key in found)
     )
-    missing = unknown_limits(assessments)
+    missing = _unknown_limits(assessments)
     return Picture(
         name="utilisation",
         title="Limit utilisation",
@@ -44,7 +44,7 @@ def utilisation_picture(assessments: Sequence[Assessment], labels: Sequence[str]
     )
 
 
-def unknown_limits(assessments: Sequence[Assessment]) -> list[str]:
+def _unknown_limits(assessments: Sequence[Assessment]) -> list[str]:
     """Quantities of which no joint's limit is known; an infinite demand exceeds a limit that is not known, too."""
     known = {check.quantity for one in assessments for check in one.checks if not np.isnan(check.limit)}
     return [QUANTITIES[quantity].label for quantity in QUANTITIES if quantity not in known]

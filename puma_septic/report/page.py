@@ -19,7 +19,6 @@ from puma_septic.pictures import (
     motion_pictures,
     profile_entries,
     samples_of,
-    unknown_limits,
     utilisation_picture,
 )
 from puma_septic.report.cases import Case, Reported, case_of, task_case
@@ -46,7 +45,6 @@ class Section:
     comparison: Markup
     profiles: tuple[Entry, ...]
     utilisation: Picture
-    unknown: str
     replay: str
     no_replay: str
     pictures: tuple[Picture, ...]
@@ -148,7 +146,6 @@ def _section(case: Case) -> Section:
         comparison=Markup(profiles_view.html(documents, labels)) if len(labels) > 1 else Markup(""),
         profiles=profile_entries(labels),
         utilisation=utilisation_picture(assessments, labels),
-        unknown=", ".join(unknown_limits(assessments)),
         replay=replay,
         no_replay=no_replay,
         pictures=motion_pictures(group),

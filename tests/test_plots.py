@@ -280,6 +280,28 @@ def test_sampled_takes_both_sides_of_a_break() -> None:
     assert values[at, 0].tolist() == [1.0, 2.0]
 
 
+def test_axes_of_ones_own_are_drawn_on(septic: Assessment, lspb: Assessment) -> None:
+    mine = Figure()
+    left, right = mine.subplots(1, 2)
+    assert plots.plot_torque([septic, lspb], joints="joint2", ax=left) is mine
+    plots.plot_trajectory(septic.motion.trajectory, 1, joints="joint 2", ax=right)
+    assert [panel.get_ylabel() for panel in mine.axes] == ["torque [N m]", "velocity [rad/s]"]
+    assert [text.get_text() for text in left.get_legend().get_texts()] == ["septic", "lspb", "peak", "limit"]
+    assert mine.legends == []
+
+
+def test_a_grid_of_axes_is_taken_row_by_row(septic: Assessment) -> None:
+    grid = Figure().subplots(2, 2)
+    plots.plot_joints(septic, orders=(0, 1), joints=["joint1", "joint3"], ax=grid)
+    assert [panel.get_title(loc="left") for panel in grid.ravel()] == ["joint1", "joint1", "joint3", "joint3"]
+
+
+def test_axes_of_a_subfigure_are_drawn_on(septic: Assessment) -> None:
+    mine = Figure()
+    part = mine.subfigures(1, 2)[1]
+    assert plots.plot_torque(septic, joints="joint1", ax=part.subplots()) is mine
+
+
 def test_names_are_text_not_mathematics() -> None:
     names = ["$x$", "a_b", "$", "<b>", "^", "joint6"]
     move = ps.quintic_segments(np.outer([0, 1], np.ones(6)), [0.0, 1.0], joint_names=names)
@@ -320,6 +342,10 @@ def test_sliding_joints_have_their_units(tmp_path: Path) -> None:
         (lambda a: plots.plot_torque_split([a, a]), "expected one Assessment"),
         (lambda a: plots.plot_trajectory(a.motion.trajectory, 4), r"order = 4 is not one of 0 \(position\)"),
         (lambda a: plots.plot_joints(a, orders=()), "orders: at least one of 0"),
+        (lambda a: plots.plot_torque(a, joints="elbow"), "joints: 'elbow' is not one of joint1, joint2, joint3"),
+        (lambda a: plots.plot_torque(a, joints=[]), "joints: at least one of joint1"),
+        (lambda a: plots.plot_torque(a, ax=Figure().subplots(1, 2)), "ax: 6 axes are needed, one for each of joint1"),
+        (lambda a: plots.plot_torque(a, joints="joint1", ax=[1]), "ax: 1 axes are needed, one for each of joint1"),
         (lambda a: plots.plot_joints([a, a], labels=["one"]), "labels: 2 texts are needed"),
         (
             lambda a: plots.plot_trajectory([a.motion.trajectory, ps.quintic_segments([[0.0], [1.0]], [0.0, 1.0])]),

@@ -18,6 +18,8 @@ ASPECT: Final = 302 / 142
 # A limit this many times further out than the data would flatten the curves; it is written instead of drawn.
 _FAR: Final = 2.2
 _AIR: Final = 0.06
+# A cause that stays below this part of the whole torque, or of 1 N m where that is less, is rounding.
+NEGLIGIBLE: Final = 1e-9
 # What varies less than this part of its size is a level line, not rounding blown up to the height of the picture.
 _FLAT: Final = 1e-9
 

@@ -10,7 +10,7 @@ import numpy as np
 from puma_septic.assessment import Assessment
 from puma_septic.dynamics import TERMS
 from puma_septic.kinematics import forward_kinematics
-from puma_septic.pictures._elements import UNKNOWN, Curve, Entry, Mark, Panel, Picture, Range, chart
+from puma_septic.pictures._elements import NEGLIGIBLE, UNKNOWN, Curve, Entry, Mark, Panel, Picture, Range, chart
 from puma_septic.pictures._samples import Samples, Track, samples_of, together
 from puma_septic.pictures._styles import INK, LIMIT, Dot, Line, cause_lines, profile_line
 from puma_septic.pictures._utilisation import utilisation_picture
@@ -32,8 +32,6 @@ __all__ = [
 
 VIA: Final = Dot(shape="via")
 TOTAL: Final = Line(hue=INK, width=2.1)
-# A cause that stays below this part of the joint's torque is not drawn.
-_NEGLIGIBLE: Final = 1e-9
 _NOTES: Final = (
     "Circles are the points of the task; dashed: the limits.",
     "",
@@ -134,7 +132,7 @@ def torque_split_picture(one: Samples, profile: int = 0) -> Picture:
     """Torque of every joint by cause, those that occur; the causes sum to the total."""
     motion = one.assessment.motion
     t, values = together([getattr(motion.torque_terms, name) for name in TERMS], detail=one.detail)
-    floor = _NEGLIGIBLE * np.maximum(1.0, np.abs(one.torque).max(axis=0))
+    floor = NEGLIGIBLE * np.maximum(1.0, np.abs(one.torque).max(axis=0))
     seen = {name: np.abs(tau).max(axis=0) > floor for name, tau in zip(TERMS, values, strict=True)}
     lines = cause_lines(TERMS)
     panels = []
@@ -188,7 +186,7 @@ def torque_speed_picture(group: Sequence[Samples]) -> Picture:
 def tool_picture(group: Sequence[Samples]) -> Picture:
     """The tool's path from above and from the side, its height and its speed over time."""
     tool = group[0].assessment.motion.robot.tool
-    places = [place for one in group for place in via_places(one)]
+    places = [via_places(one) for one in group]
     panels = [
         chart(
             "path",
@@ -196,14 +194,21 @@ def tool_picture(group: Sequence[Samples]) -> Picture:
             title=f"path {side}",
             y_label=f"{'xyz'[b]} [m]",
             x_label=f"{'xyz'[a]} [m]",
-            marks=[Mark(x=float(place[a]), y=float(place[b]), dot=VIA) for place in places],
+            marks=[Mark(x=float(place[a]), y=float(place[b]), dot=VIA) for place in np.concatenate(places)],
         )
         for side, (a, b) in (("from above", (0, 1)), ("from the side", (0, 2)))
     ]
     heights = [_curve(one.t, one.place[:, 2], k, one.label) for k, one in enumerate(group)]
     speeds = [_curve(one.t, one.speed, k, one.label) for k, one in enumerate(group)]
-    for title, label, curves in ((f"height of {tool}", "z [m]", heights), (f"speed of {tool}", "speed [m/s]", speeds)):
-        panels.append(chart("time", curves, title=title, y_label=label, span=_span(group)))
+    vias = [
+        Mark(x=float(time), y=float(place[2]), dot=VIA)
+        for one, points in zip(group, places, strict=True)
+        for time, place in zip(one.track.trajectory.times, points, strict=True)
+    ]
+    panels += [
+        chart("time", heights, title=f"height of {tool}", y_label="z [m]", span=_span(group), marks=vias),
+        chart("time", speeds, title=f"speed of {tool}", y_label="speed [m/s]", span=_span(group)),
+    ]
     return Picture(
         name="tool",
         title="Tool",

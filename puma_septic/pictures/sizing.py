@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from puma_septic.limit_check import LimitCheck
-from puma_septic.pictures._elements import Bar, Curve, Entry, Mark, Panel, Picture, Rule, bars, chart
+from puma_septic.pictures._elements import NEGLIGIBLE, Bar, Curve, Entry, Mark, Panel, Picture, Rule, bars, chart
 from puma_septic.pictures._styles import DOTTED, FAINT, LIMIT, PROFILES, Dot, Fill, Line, cause_lines
 from puma_septic.pictures._utilisation import END, percent_text
 from puma_septic.piecewise import sampled
@@ -182,17 +182,18 @@ def sizing_torque_split_picture(group: Sequence[Sizing], labels: Sequence[str]) 
     panels = []
     for j, (joint, d) in enumerate(_joints(group[0])):
         rms = [one.demands[j].rms_by_cause for one in group]
+        largest = max((x for row in rms for x in row.values() if np.isfinite(x)), default=0.0)
         panels.append(
             bars(
                 joint,
                 "RMS force [N]" if d.load.is_prismatic else "RMS torque [N m]",
                 rows=labels,
                 bars=[
-                    Bar(row=k, slot=n, length=row[cause], fill=fills[cause], text=_size(row[cause]))
+                    Bar(row=k, slot=n, length=row[cause], fill=fills[cause], text=_size(row[cause], largest))
                     for k, row in enumerate(rms)
                     for n, cause in enumerate(causes)
                 ],
-                end=1.04 * max((x for row in rms for x in row.values() if np.isfinite(x)), default=0.0) or 1.0,
+                end=1.04 * largest or 1.0,
             )
         )
     return Picture(
@@ -237,7 +238,7 @@ def _ratio_panel(joint: str, d: Demands) -> Panel:
     )
     # What is far above the ratio at hand would flatten what is near it.
     top = max(2.5 * d.rms_torque, 1.2 * float(np.nan_to_num(limits[len(limits) // 2]))) or 1.0
-    return replace(panel, y_range=(0.0, top))
+    return replace(panel, y_range=(-0.04 * top, top))
 
 
 def _rms_over_ratio(d: Demands) -> Array:
@@ -262,5 +263,7 @@ def _message(title: str, text: str) -> Panel:
     )
 
 
-def _size(value: float) -> str:
-    return "unbounded" if np.isinf(value) else f"{value:.3g}"
+def _size(value: float, largest: float) -> str:
+    if np.isinf(value):
+        return "unbounded"
+    return "0" if value <= NEGLIGIBLE * max(1.0, largest) else f"{value:.3g}"

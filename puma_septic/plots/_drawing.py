@@ -29,6 +29,8 @@ _POINTS: Final = 0.85
 # Heights in inches: of a panel, of one among many rows, of a bar and of a panel's labels.
 _TALL, _LOW, _MANY_ROWS, _BAR, _LABELS = 2.3, 1.55, 3, 0.155, 0.75
 _AIR: Final = 0.02
+# Numbers of an axis: multiples of these times a power of ten, as on the page.
+_STEPS: Final = [1, 2, 5, 10]
 # In characters of the legend's font: what fits above a figure, and what a line sample with its gaps takes.
 _LEGEND_WIDTH, _HANDLE_WIDTH = 150, 8
 _MARKERS: Final[dict[str, dict[str, Any]]] = {
@@ -116,8 +118,8 @@ def _tidy(ax: Axes, panel: Panel) -> None:
     ax.set_xlabel(panel.x_label, fontsize=8)
     ax.set_ylabel(panel.y_label, fontsize=8)
     ax.tick_params(labelsize=7.5)
-    ax.xaxis.set_major_locator(MaxNLocator(6 if panel.kind != "bars" else 4))
-    ax.yaxis.set_major_locator(MaxNLocator(5))
+    for axis, most in ((ax.xaxis, 4 if panel.rows else 6), (ax.yaxis, 6)):
+        axis.set_major_locator(MaxNLocator(most, steps=_STEPS))
     ax.grid(True, color="0.9", linewidth=0.6)
     ax.set_axisbelow(True)
 
@@ -144,7 +146,7 @@ def _draw_panel(ax: Axes, panel: Panel) -> None:
     if panel.rows:
         _draw_bars(ax, panel)
     if panel.kind == "path":
-        ax.set_aspect("equal", adjustable="datalim")
+        ax.set_aspect("equal")
     if panel.message:
         ax.text(0.5, 0.5, panel.message, ha="center", va="center", fontsize=8, transform=ax.transAxes)
         ax.set(xticks=[], yticks=[])

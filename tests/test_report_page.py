@@ -242,6 +242,23 @@ def test_report_of_a_comparison_has_all_profiles_and_draws_the_best(puma: ps.Rob
 
 
 @pytest.mark.usefixtures("quick")
+def test_reports_of_comparisons_and_sizings_have_their_charts(puma: ps.Robot) -> None:
+    """They were drawn by matplotlib alone, so that a report had tables of them only."""
+    points = [[0.0] * 6, [0.2] * 6, [0.5] * 6, [0.6] * 6]
+    compared = charts_of(ps.report_html(ps.compare(puma, points, [0.0, 1.0, 2.0, 3.0], profiles=["quintic", "septic"])))
+    assert compared[:2] == [("velocity: peak [rad/s]", "chart bars"), ("acceleration: peak [rad/s²]", "chart bars")]
+    sized = charts_of(ps.report_html(ps.size(ps.Cycle(steps=[ps.compute_motion(puma, move())]))))
+    # What has nothing to do with the motion's time has no dots that follow it.
+    assert sized[0] == ("joint1: motor torque [N m] vs. motor speed [1/min]", "chart still")
+    assert ("joint1: limit utilisation [%]", "chart bars") in sized
+
+
+def charts_of(html: str) -> list[tuple[str | None, str | None]]:
+    found = [given for tag, given in Page(html).tags if tag == "svg" and "aria-label" in given]
+    return [(given["aria-label"], given["class"]) for given in found]
+
+
+@pytest.mark.usefixtures("quick")
 def test_report_of_a_sizing_has_its_own_verdict(puma: ps.Robot) -> None:
     sizing = ps.size(ps.cycle.with_return(ps.compute_motion(puma, move()), dwell=0.5))
     text = words(ps.report_html(sizing, title="shelf"))

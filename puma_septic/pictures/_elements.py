@@ -8,7 +8,7 @@ from typing import Final, Literal, NamedTuple, final
 
 import numpy as np
 
-from puma_septic.pictures._styles import LIMIT, Dot, Fill, Line
+from puma_septic.pictures._styles import LIMIT, Dot, Fill, Line, Style
 from puma_septic.validation import Array
 
 __all__ = ["ASPECT", "Bar", "Curve", "Entry", "Mark", "Panel", "Picture", "Rule", "bars", "chart"]
@@ -125,7 +125,7 @@ class Entry(NamedTuple):
     """One entry of a legend."""
 
     label: str
-    style: Line | Dot | Fill
+    style: Style
 
 
 @final

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, final
 
-__all__ = ["HUES", "LIMIT", "PROFILES", "Dot", "Fill", "Hue", "Line", "cause_lines", "profile_line"]
+__all__ = ["HUES", "LIMIT", "PROFILES", "Dot", "Fill", "Hue", "Line", "Style", "cause_lines", "profile_line"]
 
 Shape = Literal["via", "peak", "up", "down", "dot", "point", "cross"]
 
@@ -82,6 +82,7 @@ class Fill:
     is_hatched: bool = False
 
 
+Style = Line | Dot | Fill
 LIMIT: Final = Line(hue=INK, dash=(5.0, 3.0), width=1.2)
 DOTTED: Final = Line(hue=INK, dash=(1.3, 1.9), width=1.2)
 

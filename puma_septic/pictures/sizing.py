@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from textwrap import fill
 from typing import Final
@@ -11,7 +11,7 @@ import numpy as np
 
 from puma_septic.limit_check import LimitCheck
 from puma_septic.pictures._elements import NEGLIGIBLE, Bar, Curve, Entry, Mark, Panel, Picture, Rule, bars, chart
-from puma_septic.pictures._styles import DOTTED, FAINT, LIMIT, PROFILES, Dot, Fill, Line, cause_lines
+from puma_septic.pictures._styles import DOTTED, FAINT, LIMIT, PROFILES, Dot, Fill, Line, Style, cause_lines
 from puma_septic.pictures._utilisation import END, percent_text
 from puma_septic.piecewise import sampled
 from puma_septic.sizing import Demands, Sizing
@@ -53,14 +53,14 @@ def sizing_pictures(sizing: Sizing) -> tuple[Picture, ...]:
 
 def torque_speed_picture(sizing: Sizing) -> Picture:
     """Each motor's torque vs. its speed within what it can give, in all four quadrants."""
-    legend = (
-        Entry("cycle", _SOLID),
-        Entry("RMS torque at mean speed", _DOT),
-        Entry("for a short time", LIMIT),
-        Entry("continuous (S1)", DOTTED),
-    )
-    panels = tuple(_torque_speed_panel(name, d) for name, d in _joints(sizing))
-    return Picture(name="torque-speed", title="Motor torque vs. speed", panels=panels, legend=legend)
+    legend: dict[str, Style] = {
+        "cycle": _SOLID,
+        "RMS torque at mean speed": _DOT,
+        "for a short time": LIMIT,
+        "continuous (S1)": DOTTED,
+    }
+    panels = [_torque_speed_panel(name, d) for name, d in _joints(sizing)]
+    return _picture("torque-speed", "Motor torque vs. speed", panels, legend)
 
 
 def _torque_speed_panel(joint: str, d: Demands) -> Panel:
@@ -112,7 +112,7 @@ def sizing_utilisation_picture(sizing: Sizing) -> Picture:
     thumb = {check.quantity for check in sizing.checks if check.kind == "rule of thumb"}
     rows = [f"{name} (?)" if name in thumb else name for name in names]
     found = {(check.joint, check.quantity): check for check in sizing.checks}
-    panels = tuple(
+    panels = [
         bars(
             joint,
             "limit utilisation [%]",
@@ -122,15 +122,15 @@ def sizing_utilisation_picture(sizing: Sizing) -> Picture:
             limit=100.0,
         )
         for joint, _ in _joints(sizing)
-    )
-    legend = (
-        Entry(f"to {_CLOSE_FROM:.0f} %", _KEPT),
-        Entry("to 100 %", _CLOSE),
-        Entry("violated", _VIOLATED),
-        Entry("rule of thumb (?) exceeded", _UNUSUAL),
-        Entry("limit", LIMIT),
-    )
-    return Picture(name="utilisation", title="Limit utilisation", panels=panels, legend=legend, has_own_colours=True)
+    ]
+    legend: dict[str, Style] = {
+        f"to {_CLOSE_FROM:.0f} %": _KEPT,
+        "to 100 %": _CLOSE,
+        "violated": _VIOLATED,
+        "rule of thumb (?) exceeded": _UNUSUAL,
+        "limit": LIMIT,
+    }
+    return _picture("utilisation", "Limit utilisation of the drives", panels, legend)
 
 
 def _use_bar(check: LimitCheck | None, row: int) -> Bar:
@@ -147,14 +147,14 @@ def _use_bar(check: LimitCheck | None, row: int) -> Bar:
 
 def winding_temperature_picture(sizing: Sizing) -> Picture:
     """Each winding's temperature over the steady cycle, with its limit and the ambient temperature."""
-    legend = (
-        Entry("winding", _SECOND),
-        Entry("housing", _HOUSING),
-        Entry("limit of the winding", LIMIT),
-        Entry("ambient", DOTTED),
-    )
-    panels = tuple(_temperature_panel(name, d) for name, d in _joints(sizing))
-    return Picture(name="winding-temperature", title="Winding temperature", panels=panels, legend=legend)
+    legend: dict[str, Style] = {
+        "winding": _SECOND,
+        "housing": _HOUSING,
+        "limit of the winding": LIMIT,
+        "ambient": DOTTED,
+    }
+    panels = [_temperature_panel(name, d) for name, d in _joints(sizing)]
+    return _picture("winding-temperature", "Winding temperature", panels, legend)
 
 
 def _temperature_panel(joint: str, d: Demands) -> Panel:
@@ -196,13 +196,7 @@ def sizing_torque_split_picture(group: Sequence[Sizing], labels: Sequence[str]) 
                 end=1.04 * largest or 1.0,
             )
         )
-    return Picture(
-        name="torque-split",
-        title="RMS torque by cause",
-        panels=tuple(panels),
-        legend=tuple(Entry(cause, fills[cause]) for cause in causes),
-        has_own_colours=True,
-    )
+    return _picture("torque-split", "RMS torque by cause", panels, fills)
 
 
 def ratio_sweep_picture(sizing: Sizing) -> Picture:
@@ -210,14 +204,14 @@ def ratio_sweep_picture(sizing: Sizing) -> Picture:
 
     The RMS torque is exact: with the load's mean squares it is a function of the ratio.
     """
-    legend = (
-        Entry("RMS torque", _SOLID),
-        Entry("beyond the top speed", _BEYOND),
-        Entry("ratio at hand", _DOT),
-        Entry("continuous torque", DOTTED),
-    )
-    panels = tuple(_ratio_panel(name, d) for name, d in _joints(sizing))
-    return Picture(name="ratio-sweep", title="RMS torque vs. gear ratio", panels=panels, legend=legend)
+    legend: dict[str, Style] = {
+        "RMS torque": _SOLID,
+        "beyond the top speed": _BEYOND,
+        "ratio at hand": _DOT,
+        "continuous torque": DOTTED,
+    }
+    panels = [_ratio_panel(name, d) for name, d in _joints(sizing)]
+    return _picture("ratio-sweep", "RMS torque vs. gear ratio", panels, legend)
 
 
 def _ratio_panel(joint: str, d: Demands) -> Panel:
@@ -250,6 +244,11 @@ def _rms_over_ratio(d: Demands) -> Array:
     gram = np.array([[float(f.inner(g)[0]) / size for g in functions] for f in functions])
     c = np.column_stack([1 / _RATIOS, _RATIOS, np.ones_like(_RATIOS)])
     return np.asarray(np.sqrt(np.maximum(np.einsum("ni,ij,nj->n", c, gram, c), 0.0)))
+
+
+def _picture(name: str, title: str, panels: Sequence[Panel], legend: Mapping[str, Style]) -> Picture:
+    entries = tuple(Entry(label, style) for label, style in legend.items())
+    return Picture(name=name, title=title, panels=tuple(panels), legend=entries, has_own_colours=True)
 
 
 def _joints(sizing: Sizing) -> list[tuple[str, Demands]]:

@@ -13,6 +13,9 @@ from puma_septic.comparison import Comparison
 from puma_septic.errors import InputError
 from puma_septic.motion import Motion
 from puma_septic.paper import PaperReport
+from puma_septic.pictures import Picture
+from puma_septic.pictures.comparison import comparison_picture
+from puma_septic.pictures.sizing import sizing_pictures
 from puma_septic.report.documents import profile_labels
 from puma_septic.sizing import Sizing
 from puma_septic.task import ResolvedTask
@@ -43,6 +46,8 @@ class Case:
         The verdict, and why it cannot be otherwise, if that is known.
     preface : Markup
         What stands between the verdict and the rest.
+    pictures : tuple of Picture
+        Of a comparison or sizing, after the preface.
     resolved : ResolvedTask or None
         The task, where there is one.
     """
@@ -54,6 +59,7 @@ class Case:
     sentence: str
     reason: str = ""
     preface: Markup = Markup("")  # noqa: RUF009 - a constant text
+    pictures: tuple[Picture, ...] = ()
     resolved: ResolvedTask | None = None
 
 
@@ -140,6 +146,7 @@ def _comparison_case(comparison: Comparison, title: str | None) -> Case:
         is_feasible=any(one.is_feasible for one in every),
         sentence=_sentence(every, [row.name for row in rows]),
         preface=_boxed(comparison._repr_html_() + note),
+        pictures=(comparison_picture(comparison),),
     )
 
 
@@ -152,8 +159,10 @@ def _sizing_case(sizing: Sizing, title: str | None) -> Case:
         is_feasible=sizing.is_feasible,
         sentence=f"The drives are {sizing.verdict}.",
         preface=_boxed(
-            f"{sizing._repr_html_()}<p>What follows are the motions of the cycle, held against the robot's limits.</p>"
+            f"{sizing._repr_html_()}<p>Below the charts of the drives are the motions of the cycle, held against the"
+            " robot's limits.</p>"
         ),
+        pictures=sizing_pictures(sizing),
     )
 
 

@@ -20,7 +20,7 @@ BOX: Final = (50.0, 352.0, 24.0, 166.0)
 # Below the field: the numbers of the axis, and its label.
 _FOOT: Final = SIZE[1] - BOX[3]
 # Of bars: the width of a letter of their names and the most that names take, the column of numbers, heights.
-_LETTER, _NAMES, _NUMBERS, _BAR, _GAP = 6.6, 200.0, 66.0, 10.0, 5.0
+_LETTER, _NAMES, _NUMBERS, _BAR, _GAP = 6.1, 190.0, 66.0, 10.0, 5.0
 # Letters that fit above the field: of the title, the vertical axis's label and the remark; the least of a title.
 _TEXT, _LEAST_TITLE = 52, 12
 
@@ -39,7 +39,7 @@ class Chart:
             return BOX
         _, right, top, _ = BOX
         left = max(8.0, min(_NAMES, 8.0 + _LETTER * max(map(len, self.panel.rows))))
-        return left, right - _NUMBERS, top, top + len(self.panel.rows) * (self.panel.slots * _BAR + _GAP)
+        return left, right - _NUMBERS, top, self._row(len(self.panel.rows))
 
     @property
     def height(self) -> float:
@@ -66,7 +66,7 @@ class Chart:
     def y_ticks(self) -> list[tuple[str, str]]:
         """Places and texts; of bars, the names of their rows."""
         if self.panel.rows:
-            return [(self.y(row), name) for row, name in enumerate(self.panel.rows)]
+            return [(f"{self._row(row + 0.5):.2f}", name) for row, name in enumerate(self.panel.rows)]
         return [(self.y(value), text) for value, text in ticks(*self.panel.y_range)] if self.has_axes else []
 
     @property
@@ -90,7 +90,7 @@ class Chart:
         """Bars, their upper edges, widths and the level of their texts."""
         placed = []
         for bar in self.panel.bars:
-            top = self.box[2] + bar.row * (self.panel.slots * _BAR + _GAP) + _GAP / 2 + bar.slot * _BAR
+            top = self._row(bar.row) + _GAP / 2 + bar.slot * _BAR
             width = float(self.x(bar.length)) - self.box[0]
             placed.append((bar, f"{top + 1:.2f}", f"{width:.2f}", f"{top + 0.85 * _BAR:.2f}"))
         return placed
@@ -102,6 +102,10 @@ class Chart:
     def y(self, value: float) -> str:
         """Place of a value of the vertical axis."""
         return _place(value, self.panel.y_range, self.box[3], self.box[2])
+
+    def _row(self, row: float) -> float:
+        """Upper edge of a row of bars; of a half more, its middle."""
+        return BOX[2] + row * (self.panel.slots * _BAR + _GAP)
 
     def _points(self, curve: Curve) -> str:
         left, right, top, bottom = self.box

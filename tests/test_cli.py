@@ -293,6 +293,7 @@ def assert_bad_input(arguments: list[str], message: str, capsys: pytest.CaptureF
         (["assess", "--payload", "-1"], "--payload: -1 is negative"),
         (["assess", "--dwell", "inf"], "--dwell: 'inf' is not a finite number"),
         (["assess", "--margin", "20"], "--margin: 20 is not between 0 and 1"),
+        (["assess", "--csv", "log.csv", "--no-png"], "--no-png goes with --out: name the folder to write into"),
         (["assess", "--no-png"], "--no-png goes with --out: name the folder to write into"),
         (["assess", "--format", "xml"], "--format: invalid choice: 'xml'"),
     ],

@@ -94,7 +94,17 @@ def test_the_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["assess", "--csv", path, "--format", "json", "--out", str(out)]) == 0
     assert json.loads((out / "assessment.json").read_text()) == json.loads(capsys.readouterr().out)
     names = {file.name for file in out.iterdir()}
-    assert {"report.html", "metrics.csv", "samples.csv", "torque.svg"} <= names
+    assert {"report.html", "metrics.csv", "samples.csv", "torque.svg", "torque.png"} <= names
+    assert {name[:-4] for name in names if name.endswith("svg")} == {name[:-4] for name in names if name[-3:] == "png"}
+
+
+def test_the_folder_without_png(tmp_path: Path) -> None:
+    """``--no-png`` was accepted with ``--csv``, which never wrote PNG files."""
+    path = written(tmp_path / "log.csv", rows(11).tolist())
+    assert main(["assess", "--csv", path, "--no-png", "--out", str(tmp_path / "out")]) == 0
+    names = {file.name for file in (tmp_path / "out").iterdir()}
+    assert "torque.svg" in names
+    assert not any(name.endswith("png") for name in names)
 
 
 GAP = [*rows().tolist()[:10], *rows().tolist()[30:]]

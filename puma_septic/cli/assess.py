@@ -25,6 +25,8 @@ Assessed = tuple[ResolvedTask, tuple[Assessment, ...]]
 
 def run(arguments: Namespace) -> Answer:
     """Assess the asked task or log; without one, the paper's task and then the one with the tool turned."""
+    if arguments.no_png and arguments.out is None:
+        raise InputError("--no-png goes with --out: name the folder to write into")
     if arguments.csv is not None:  # SciPy, which fits it, takes longer to load than a task to assess
         answer: Answer = import_module("puma_septic.cli.log").run_log(arguments)
         return answer
@@ -40,8 +42,6 @@ def run(arguments: Namespace) -> Answer:
     else:
         parts = [assessed_text(*asked[0], arguments.margin), *(turned_text(*one) for one in shown[1:])]
         text = "\n\n".join(parts)
-    if arguments.no_png and arguments.out is None:
-        raise InputError("--no-png goes with --out: name the folder to write into")
     if arguments.out is not None:
         _write_folder(arguments.out, shown, png=not arguments.no_png)
     is_feasible = not any(one.keeps(arguments.margin) for one in asked[0][1])

@@ -96,4 +96,4 @@ def _text(value: float, end: float) -> str:
 
 def _position_unit(comparison: Comparison) -> str:
     slides = comparison.profiles[0].assessment.motion.robot.is_prismatic
-    return "m" if all(slides) else "rad or m" if any(slides) else "rad"
+    return "m" if all(slides) else "(rad, m)" if any(slides) else "rad"

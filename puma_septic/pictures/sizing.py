@@ -221,7 +221,10 @@ def _ratio_panel(joint: str, d: Demands) -> Panel:
     allowed = ~(_RATIOS * d.peak_speed.size > np.fmin(d.train.motor.max_speed, d.train.gearbox.max_input_speed))
     rms = _rms_over_ratio(d)
     limits = np.array([d.train.motor.continuous_torque_at(speed) for speed in _RATIOS * d.mean_speed])
-    parts = ((allowed, rms, _SOLID), (~allowed, rms, _BEYOND), (~np.isnan(limits), limits, DOTTED))
+    # What is far above the ratio at hand would flatten what is near it.
+    top = max(2.5 * d.rms_torque, 1.2 * float(np.nan_to_num(limits[len(limits) // 2]))) or 1.0
+    shown = rms <= top
+    parts = ((allowed & shown, rms, _SOLID), (~allowed & shown, rms, _BEYOND), (limits <= top, limits, DOTTED))
     panel = chart(
         "still",
         [Curve(x=ratios[where], y=values[where], line=line) for where, values, line in parts if where.any()],
@@ -230,8 +233,6 @@ def _ratio_panel(joint: str, d: Demands) -> Panel:
         y_label="RMS motor torque [N m]",
         marks=[Mark(x=d.train.ratio, y=d.rms_torque, dot=_DOT)],
     )
-    # What is far above the ratio at hand would flatten what is near it.
-    top = max(2.5 * d.rms_torque, 1.2 * float(np.nan_to_num(limits[len(limits) // 2]))) or 1.0
     return replace(panel, y_range=(-0.04 * top, top))
 
 

@@ -20,7 +20,7 @@ BOX: Final = (50.0, 352.0, 24.0, 166.0)
 # Below the field: the numbers of the axis, and its label.
 _FOOT: Final = SIZE[1] - BOX[3]
 # Of bars: the width of a letter of their names and the most that names take, the column of numbers, heights.
-_LETTER, _NAMES, _NUMBERS, _BAR, _GAP = 6.1, 190.0, 66.0, 10.0, 5.0
+_LETTER, _NAMES, _NUMBERS, _BAR, _GAP = 6.1, 190.0, 66.0, 11.0, 4.0
 # Letters that fit above the field: of the title, the vertical axis's label and the remark; the least of a title.
 _TEXT, _LEAST_TITLE = 52, 12
 

@@ -80,6 +80,23 @@ def test_legends_lie_outside_all_panels(figures: dict[str, Figure]) -> None:
         assert all(panel.get_tightbbox().y1 <= below for panel in figure.axes), name
 
 
+def test_a_legend_of_many_long_names_stays_in_the_figure(septic: Assessment) -> None:
+    labels = [f"a_long_profile_name_{k}" for k in range(12)]
+    figure = plots.plot_torque([septic] * 12, labels=labels, joints="joint1")
+    figure.draw_without_rendering()
+    extent = figure.legends[0].get_window_extent()
+    assert 0 <= extent.x0 < extent.x1 <= figure.bbox.x1
+
+
+def test_an_arm_without_known_limits_has_nothing_but_a_remark(puma: ps.Robot, septic: Assessment) -> None:
+    unknown = dict.fromkeys(("velocity", "acceleration", "jerk", "effort"), np.nan)
+    robot = puma.with_limits(position=np.full((6, 2), np.nan), **unknown)
+    figure = plots.plot_utilisation(assess(robot, septic.motion.trajectory))
+    assert figure.axes == []
+    assert figure.get_supxlabel().endswith("no limit is given: position, velocity, acceleration, jerk, torque.")
+    assert figure._repr_png_()
+
+
 def test_texts_of_a_panel_do_not_overlap(figures: dict[str, Figure]) -> None:
     """The joint's name stands at the left above its panel, the remark on a far limit at the right."""
     for name, figure in figures.items():

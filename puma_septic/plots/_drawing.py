@@ -32,7 +32,7 @@ _AIR: Final = 0.02
 # Numbers of an axis: multiples of these times a power of ten, as on the page.
 _STEPS: Final = [1, 2, 5, 10]
 # In characters of the legend's font: what fits above a figure, and what a line sample with its gaps takes.
-_LEGEND_WIDTH, _HANDLE_WIDTH = 150, 8
+_LEGEND_WIDTH, _HANDLE_WIDTH = 128, 8
 _MARKERS: Final[dict[str, dict[str, Any]]] = {
     "via": {"marker": "o", "markersize": 4.5, "markerfacecolor": "white", "zorder": 3},
     "peak": {"marker": "D", "markersize": 4.5, "zorder": 3},
@@ -212,7 +212,7 @@ def _root(ax: Axes) -> Figure:
 def _laid_out(panels: Sequence[Panel], columns: int) -> tuple[Figure, list[Axes]]:
     """A figure with as many rows as the panels need; bars of one row share their names."""
     columns = min(columns, max(1, len(panels)))
-    rows = -(-len(panels) // columns)
+    rows = max(1, -(-len(panels) // columns))
     bars = [panel for panel in panels if panel.rows]
     if bars:
         height = _LABELS + _BAR * max(len(panel.rows) * (panel.slots + 0.4) for panel in bars)

@@ -20,7 +20,7 @@ _AIR: Final = 14.0  # between rows of panels
 def picture_svg(picture: Picture) -> str:
     """The picture as SVG, in the colours of the light page, without variables, which drawing programs do not know."""
     columns = min(picture.columns, max(1, len(picture.panels)))
-    width = columns * SIZE[0]
+    width = max(columns * SIZE[0], _LETTER * len(picture.footnote))
     legend, top = _legend(picture.legend, width)
     placed = []
     for k in range(0, len(picture.panels), columns):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -13,8 +14,9 @@ from matplotlib.figure import Figure
 import puma_septic as ps
 from puma_septic import plots
 from puma_septic.assessment import Assessment, assess
-from puma_septic.pictures import HUES, PROFILES
+from puma_septic.pictures import HUES, PROFILES, assessment_pictures
 from puma_septic.piecewise import sampled
+from puma_septic.report.svg import picture_svg
 
 # The eight colours of Okabe and Ito, "Color Universal Design", 2008.
 OKABE_ITO = {"#000000", "#E69F00", "#56B4E9", "#009E73", "#F0E442", "#0072B2", "#D55E00", "#CC79A7"}
@@ -295,6 +297,21 @@ def test_sampled_takes_both_sides_of_a_break() -> None:
     assert list(t[[0, -1]]) == [0.0, 3.0]
     at = np.flatnonzero(t == 1.0)
     assert values[at, 0].tolist() == [1.0, 2.0]
+
+
+def test_matplotlib_and_svg_draw_the_same(septic: Assessment, lspb: Assessment) -> None:
+    """Two descriptions of one picture had grown apart in their limits, ranges and names."""
+    for picture in assessment_pictures([septic, lspb], ["septic", "lspb"]):
+        panels = plots.draw(picture).axes
+        svg = picture_svg(picture)
+        lows = [float(low) for low in re.findall(r'data-low="([^"]+)"', svg)]
+        assert [panel.get_title(loc="left") for panel in panels] == [panel.title for panel in picture.panels]
+        assert [panel.get_ylim()[0] for panel in panels] == lows
+        curves = [len(panel.curves) for panel in picture.panels]
+        assert svg.count("<polyline") == sum(curves)
+        drawn = [[line for line in panel.lines if line.get_linestyle() != "None"] for panel in panels]
+        # A limit is a line of two points.
+        assert [sum(len(line.get_xdata()) > 2 for line in lines) for lines in drawn] == curves
 
 
 def test_axes_of_ones_own_are_drawn_on(septic: Assessment, lspb: Assessment) -> None:

@@ -1,8 +1,11 @@
 """Each picture described once: what is drawn, in data coordinates, by whatever draws it.
 
 A `Picture` has panels, a panel curves, marks, limits and bars; `puma_septic.plots` draws it with matplotlib,
-`puma_septic.report` as SVG. To add one: write a function here that returns a `Picture`, and name it where its motions,
-comparison or sizing are listed (`motion_pictures`, `sizing_pictures`).
+`puma_septic.report` as SVG. Pictures of comparisons, optimisations, sizings and the paper are in modules of their own,
+since what they show takes longer to load than a motion takes to draw.
+
+To add one, write a function that returns a `Picture`, and name it where those of its kind are listed
+(`motion_pictures`, `sizing_pictures`): page and files follow.
 """
 
 from puma_septic.pictures._elements import ASPECT, Bar, Curve, Entry, Mark, Panel, Picture, Rule, bars, chart

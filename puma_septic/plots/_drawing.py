@@ -67,6 +67,11 @@ def draw(picture: Picture, *, ax: OnAxes | None = None, joints: str | Sequence[s
     joints : str or sequence of str, optional
         Titles of the panels to draw; all by default.
 
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Neither shown nor saved.
+
     Raises
     ------
     InputError

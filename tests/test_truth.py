@@ -8,11 +8,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
+from puma_septic.checks import Array
 from random_moves import FAMILIES, make, random_move, random_points
 from truth import truth
 
 import puma_septic as ps
-from puma_septic.checks import Array
 from puma_septic.piecewise import Piecewise
 
 # A joint's torque counts from this part of the arm's largest on: below it, rounding of the others shows.

@@ -11,7 +11,7 @@ from puma_septic.assessment import Assessment
 from puma_septic.limit_check import LimitCheck
 from puma_septic.pictures._elements import Bar, Entry, Panel, Picture, bars
 from puma_septic.pictures._styles import LIMIT, Fill, profile_line
-from puma_septic.quantities import QUANTITIES
+from puma_septic.quantities import COMMON, QUANTITIES
 
 __all__ = ["percent_text", "utilisation_picture"]
 
@@ -47,7 +47,7 @@ def utilisation_picture(assessments: Sequence[Assessment], labels: Sequence[str]
 def _unknown_limits(assessments: Sequence[Assessment]) -> list[str]:
     """Quantities of which no joint's limit is known; an infinite demand exceeds a limit that is not known, too."""
     known = {check.quantity for one in assessments for check in one.checks if not np.isnan(check.limit)}
-    return [QUANTITIES[quantity].label for quantity in QUANTITIES if quantity not in known]
+    return [QUANTITIES[quantity].label for quantity in COMMON if quantity not in known]
 
 
 def percent_text(utilisation: float, *, is_violated: bool = False) -> str:

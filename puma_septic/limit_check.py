@@ -168,8 +168,9 @@ class LimitCheck:
 
     @property
     def label(self) -> str:
-        """What tables call the quantity."""
-        return QUANTITIES[self.quantity].label if self.quantity in QUANTITIES else self.quantity
+        """What sentences call the quantity: the effort of a revolute joint is a torque, of a prismatic one a force."""
+        row = QUANTITIES.get(self.quantity)
+        return self.quantity if row is None else row.labels[row.units.index(self.unit)]
 
     @property
     def limit_text(self) -> str:
@@ -185,8 +186,8 @@ class LimitCheck:
         when = "" if isnan(self.time) else f" at t = {self.time:.4g} s"
         kind = "" if self.kind == "joint limit" else f" ({self.kind})"
         if isinf(self.demand):
-            return f"{self.joint} {self.quantity} unbounded{when}, {self.limit_text}{kind}"
-        what = f"{self.joint} {self.quantity} {self.demand:.4g} {self.unit}".rstrip() + when
+            return f"{self.joint} {self.label} unbounded{when}, {self.limit_text}{kind}"
+        what = f"{self.joint} {self.label} {self.demand:.4g} {self.unit}".rstrip() + when
         limit = f"{self.limit:.4g} {self.unit}".rstrip()
         if self.is_range:
             side = "beyond" if self.is_violated else "from"

@@ -19,8 +19,8 @@ class Quantity:
     ----------
     name : str
         Of its limit: the field of `Limits`, the key of task and actuator files.
-    label : str
-        What tables and sentences call it.
+    labels : tuple of str
+        What tables and sentences call it, of a revolute and of a prismatic joint.
     signal : {"position", "torque"}
         The function of time that it is a derivative of.
     order : int
@@ -35,12 +35,14 @@ class Quantity:
     Examples
     --------
     >>> effort = QUANTITIES["effort"]
-    >>> effort.label, effort.unit(is_prismatic=False), effort.unit(is_prismatic=True)
-    ('torque', 'N m', 'N')
+    >>> effort.label, effort.unit(is_prismatic=False)
+    ('torque', 'N m')
+    >>> effort.labels[1], effort.unit(is_prismatic=True)
+    ('force', 'N')
     """
 
     name: str
-    label: str
+    labels: tuple[str, str]
     signal: Literal["position", "torque"]
     order: int
     units: tuple[str, str]
@@ -57,6 +59,11 @@ class Quantity:
         return self.units[1 if is_prismatic else 0]
 
     @property
+    def label(self) -> str:
+        """What a table of all joints calls it."""
+        return self.labels[0]
+
+    @property
     def attribute(self) -> str:
         """How attributes call it: ``peak_torque``, ``rms_velocity``."""
         return self.label.replace(" ", "_")
@@ -68,15 +75,25 @@ class Quantity:
 
 
 _ROWS: Final = (
-    Quantity(name="position", label="position", signal="position", order=0, units=("rad", "m")),
-    Quantity(name="velocity", label="velocity", signal="position", order=1, units=("rad/s", "m/s")),
+    Quantity(name="position", labels=("position",) * 2, signal="position", order=0, units=("rad", "m")),
+    Quantity(name="velocity", labels=("velocity",) * 2, signal="position", order=1, units=("rad/s", "m/s")),
     Quantity(
-        name="acceleration", label="acceleration", signal="position", order=2, units=("rad/s^2", "m/s^2"), is_hard=True
+        name="acceleration",
+        labels=("acceleration",) * 2,
+        signal="position",
+        order=2,
+        units=("rad/s^2", "m/s^2"),
+        is_hard=True,
     ),
-    Quantity(name="jerk", label="jerk", signal="position", order=3, units=("rad/s^3", "m/s^3")),
-    Quantity(name="effort", label="torque", signal="torque", order=0, units=("N m", "N"), is_hard=True),
+    Quantity(name="jerk", labels=("jerk",) * 2, signal="position", order=3, units=("rad/s^3", "m/s^3")),
+    Quantity(name="effort", labels=("torque", "force"), signal="torque", order=0, units=("N m", "N"), is_hard=True),
     Quantity(
-        name="torque_rate", label="torque rate", signal="torque", order=1, units=("N m/s", "N/s"), is_optional=True
+        name="torque_rate",
+        labels=("torque rate", "force rate"),
+        signal="torque",
+        order=1,
+        units=("N m/s", "N/s"),
+        is_optional=True,
     ),
 )
 

@@ -66,7 +66,7 @@ def test_the_four_verdicts(good: str, fast: str, tmp_path: Path, capsys: pytest.
 def test_the_verdict_stands_first_then_reasons_then_margins(fast: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert check(fast, *KNOWN) == 1
     words = " ".join(capsys.readouterr().out.split())
-    assert words.startswith(f"{fast}: violated, 3 reasons; the worst: joint1 effort 101.5 N m at t = 0.0878")
+    assert words.startswith(f"{fast}: violated, 3 reasons; the worst: joint1 torque 101.5 N m at t = 0.0878")
     order = ["effort_limit: joint1", "velocity_limit: joint2", "limit_unknown:jerk of joint1, joint2", "Worst margin"]
     places = [words.index(one) for one in order]
     assert places == sorted(places)

@@ -77,7 +77,7 @@ def test_an_unknown_limit_hides_no_broken_one(puma: ps.Robot) -> None:
     assert (first.code, first.joint, first.quantity) == ("effort_limit", "joint1", "effort")
     assert first.demand / first.limit == pytest.approx(1.812, abs=1e-3)
     assert 0 < first.time < 0.4
-    assert "joint1 effort 101.5 N m" in str(first)
+    assert "joint1 torque 101.5 N m" in str(first)
 
 
 def test_the_start_is_held_against_the_first_point(puma: ps.Robot) -> None:

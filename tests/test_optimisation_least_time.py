@@ -116,7 +116,7 @@ def test_a_dwell_must_be_held_too(tmp_path: Path) -> None:
     drive = DRIVE.format(name="swing", ratio=1.0, rotor=0.0, viscous=0.0, positive=3.0, negative=-3.0)
     robot, points = only_effort(pendulum(tmp_path, drives=drive), 7.0), np.deg2rad([[60.0], [50.0]])
     assert ps.least_time(profiles.quintic, points, 1.0, robot=robot).is_feasible
-    with pytest.raises(ps.NoSolution, match=r"swing effort 7\.515 N m at .* of 7 N m"):
+    with pytest.raises(ps.NoSolution, match=r"swing torque 7\.515 N m at .* of 7 N m"):
         ps.least_time(profiles.quintic, points, 1.0, robot=robot, dwell=1.0)
 
 

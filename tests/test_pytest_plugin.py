@@ -42,7 +42,7 @@ def test_a_suite_uses_its_fixtures(puma: ps.Robot, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "puma_septic.pytest_plugin"]
     run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert "1 failed, 2 passed" in run.stdout
-    assert "effort_limit: joint1 effort 101.5 N m" in run.stdout
+    assert "effort_limit: joint1 torque 101.5 N m" in run.stdout
     assert "fast.yaml: violated, 3 reasons" in run.stdout
 
 

@@ -74,3 +74,12 @@ def test_keeps_with_a_margin(puma: ps.Robot) -> None:
     assert unmet[0].margin == pytest.approx(1 - 0.46875 / 0.5, rel=1e-12)
     with pytest.raises(ps.InputError, match=r"margin = 1.5 must be at most 1"):
         assessment.keeps(margin=1.5)
+
+
+def test_the_effort_of_a_prismatic_joint_is_a_force() -> None:
+    check = LimitCheck.of_magnitude(joint="rail", quantity="effort", demand=50.0, limit=40.0, unit="N", time=0.25)
+    assert str(check) == "rail force 50 N at t = 0.25 s is 125 % of 40 N"
+    of_a_motor = LimitCheck.of_magnitude(
+        joint="rail", quantity="motor speed", demand=50.0, limit=40.0, unit="rad/s", time=0.25, kind="physics"
+    )
+    assert str(of_a_motor) == "rail motor speed 50 rad/s at t = 0.25 s is 125 % of 40 rad/s (physics)"

@@ -92,8 +92,8 @@ def inputs_of(html: str) -> Any:
 def test_the_verdict_comes_first_in_one_sentence(html: str) -> None:
     text = words(html)
     sentence = (
-        "None of the 3 profiles keeps the limits; what governs is joint5: position -1.989 rad at 0 s, 0.244 rad beyond"
-        " its bound of -1.745 rad (septic)."
+        "None of the 3 profiles keeps the limits; governing: joint5 position -1.989 rad at t = 0 s is 0.2441 rad beyond"
+        " its bound -1.745 rad (septic)."
     )
     assert text.index("Infeasible") < text.index(sentence) < text.index("Limit utilisation")
     assert "All 8 branches of the inverse kinematics break the position limit of joint5 at take and place" in text
@@ -130,12 +130,12 @@ def test_a_report_of_a_motion_has_the_inputs_of_its_profile(puma: ps.Robot) -> N
 def test_verdicts_of_several_profiles(puma: ps.Robot) -> None:
     good, bad = ps.assess(puma, move()), ps.assess(puma.with_limits(velocity=0.1), move())
     assert profiles.sentence([good.to_dict()] * 2, ["a", "b"]).startswith(
-        "All 2 profiles keep every known limit; what governs is"
+        "All 2 profiles keep every known limit; governing: "
     )
     mixed = profiles.sentence([good.to_dict(), bad.to_dict()], ["a", "b"])
     assert mixed == (
-        "a keeps every known limit, b not; what governs is joint1: velocity 0.4688 rad/s at 1 s, 469 % of its limit"
-        " 0.1 rad/s (b)."
+        "a keeps every known limit, b not; governing: joint1 velocity 0.4688 rad/s at t = 1 s is 468.8 % of 0.1 rad/s"
+        " (b)."
     )
 
 
@@ -149,7 +149,7 @@ def test_verdict_without_a_known_limit(tmp_path: Path) -> None:
 
 def test_an_unbounded_demand_governs(puma: ps.Robot) -> None:
     straight = ps.profiles.linear([[0.0] * 6, [0.5] * 6], [0.0, 2.0])
-    assert "joint1: acceleration unbounded at 0 s" in profiles.sentence(
+    assert "joint1 acceleration unbounded at t = 0 s" in profiles.sentence(
         [ps.assess(puma, straight).to_dict()], ["linear"]
     )
 

@@ -38,7 +38,7 @@ class Flag:
 def flags_of(assessment: Assessment) -> tuple[Flag, ...]:
     """Broken limits, the worst first, then passages through singular postures in order of time."""
     limits = [
-        Flag(kind="limit", time=check.time, text=_text(check), spans=_spans(assessment, check))
+        Flag(kind="limit", time=check.time, text=str(check), spans=_spans(assessment, check))
         for check in assessment.violations
     ]
     singular = [
@@ -47,18 +47,6 @@ def flags_of(assessment: Assessment) -> tuple[Flag, ...]:
         for time in report.crossings
     ]
     return (*limits, *sorted(singular, key=lambda flag: flag.time))
-
-
-def _text(check: LimitCheck) -> str:
-    if np.isinf(check.demand):
-        return f"{check.joint}: {check.label} unbounded, {check.limit_text}"
-    if check.is_range:
-        beyond = f"{-check.margin:.3g} {check.unit} beyond its bound"
-        return f"{check.joint}: position {check.demand:.4g} {check.unit}, {beyond}"
-    return (
-        f"{check.joint}: {check.label} {check.demand:.4g} {check.unit}, {100 * check.utilisation:.0f} % of"
-        f" {check.limit:.4g} {check.unit}"
-    )
 
 
 def _spans(assessment: Assessment, check: LimitCheck) -> tuple[tuple[float, float], ...]:

@@ -147,7 +147,7 @@ def _torque(row: Document, joint_names: list[str]) -> str:
 def _broken(checks: tuple[LimitCheck, ...], separator: str) -> str:
     """How often each quantity is violated, the one that is violated most first."""
     violated = sorted((check for check in checks if check.is_violated), key=lambda check: -check.utilisation)
-    quantities = [check.quantity for check in violated]
+    quantities = [check.label for check in violated]
     counts = {name: quantities.count(name) for name in dict.fromkeys(quantities)}
     return separator.join(f"{_BRIEF.get(name, name)} {count}" for name, count in counts.items()) or "none"
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import isinf
 from typing import Any, Final
 
 from puma_septic.document import numeric
@@ -20,13 +19,13 @@ _HEADERS: Final = ("profile", "verdict", "limit used most", "velocity", "torque"
 
 def text(documents: Sequence[Document], labels: Sequence[str]) -> str:
     """One row for each profile."""
-    rows = [_row(document, label, "quantity") for label, document in zip(labels, documents, strict=True)]
+    rows = [_row(document, label) for label, document in zip(labels, documents, strict=True)]
     return text_table([*_HEADERS, "jerk", "overshoot"], rows)
 
 
 def html(documents: Sequence[Document], labels: Sequence[str]) -> str:
     """The same as a page has it."""
-    rows = [_row(document, label, "label") for label, document in zip(labels, documents, strict=True)]
+    rows = [_row(document, label) for label, document in zip(labels, documents, strict=True)]
     caption = "Profiles side by side: the largest among the joints, velocity and torque in per cent of their limits"
     table = html_table([*_HEADERS, "jerk [rad/s³]", "overshoot [rad]"], rows, caption=caption)
     return f'<div class="scroll">{table}</div>'
@@ -41,14 +40,14 @@ def sentence(documents: Sequence[Document], labels: Sequence[str]) -> str:
     # Of profiles that share the worst, such as a point's position, the first: rounding does not choose.
     check, label = max(pairs, key=lambda pair: float(f"{pair[0].utilisation:.9g}"))
     whose = f" ({label})" if len(labels) > 1 else ""
-    return f"{_which(good, labels)}; what governs is {_governing(check)}{whose}."
+    return f"{_which(good, labels)}; governing: {check}{whose}."
 
 
-def _row(document: Document, label: str, name: str) -> list[Cell]:
+def _row(document: Document, label: str) -> list[Cell]:
     governing = "none known"
     if document["governing"] is not None:
         worst = LimitCheck.from_dict(document["governing"])
-        governing = f"{worst.joint} {getattr(worst, name)} {percent(worst.utilisation)}"
+        governing = f"{worst.joint} {worst.label} {percent(worst.utilisation)}"
     return [
         label,
         "feasible" if document["is_feasible"] else "infeasible",
@@ -77,14 +76,3 @@ def _which(good: Sequence[str], labels: Sequence[str]) -> str:
         return f"None of the {len(labels)} profiles keeps the limits"
     others = [label for label in labels if label not in good]
     return f"{', '.join(good)} keep{'s' if len(good) == 1 else ''} every known limit, {', '.join(others)} not"
-
-
-def _governing(check: LimitCheck) -> str:
-    """The joint, its demand, its limit and the instant."""
-    if isinf(check.demand):
-        return f"{check.joint}: {check.label} unbounded at {check.time:.3g} s, {check.limit_text}"
-    what = f"{check.joint}: {check.label} {check.demand:.4g} {check.unit} at {check.time:.3g} s"
-    if check.is_range:
-        side = "beyond" if check.is_violated else "within"
-        return f"{what}, {abs(check.margin):.3g} {check.unit} {side} its bound of {check.limit:.4g} {check.unit}"
-    return f"{what}, {percent(check.utilisation)} of its limit {check.limit:.4g} {check.unit}"

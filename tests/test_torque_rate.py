@@ -126,3 +126,35 @@ def test_refused_limits(puma: ps.Robot) -> None:
         puma.with_limits(torque_rate=-1.0)
     with pytest.raises(ps.InputError, match=r"unknown limit 'torque'; valid: .*'effort', 'torque_rate'"):
         puma.with_limits(torque=1.0)
+
+
+@pytest.mark.parametrize("limit", [30.0, 300.0])
+def test_the_least_stretch_keeps_it_and_no_shorter_one_does(puma: ps.Robot, limit: float) -> None:
+    robot = puma.with_limits(torque_rate=limit)
+    move = ps.profiles.quintic(VIAS, [0.0, 0.6, 1.5])
+    stretch = ps.least_stretch(robot, move)
+    assert stretch.governing.quantity == "torque_rate"
+    assert stretch.assessment.is_feasible
+    shorter = ps.profiles.quintic(VIAS, np.array([0.0, 0.6, 1.5]) * stretch.factor * 0.999)
+    assert [check.quantity for check in ps.assess(robot, shorter).violations] == ["torque_rate"]
+
+
+def test_least_time_names_it_where_it_is_not_held(puma: ps.Robot) -> None:
+    """Its search keeps what scales with time or is quadratic in speed; this is neither, so it is told, not kept."""
+    robot = puma.with_limits(torque_rate=300.0)
+    result = ps.least_time(ps.profiles.quintic, VIAS, [0.0, 0.6, 1.5], robot=robot, restarts=0)
+    assert not result.is_feasible
+    assert "not held: torque_rate (joint2 at" in str(result)
+    with pytest.raises(ps.InputError, match=r"least time cannot keep the torque_rate limit; valid: position, velocity"):
+        ps.least_time(ps.profiles.quintic, VIAS, [0.0, 0.6, 1.5], robot=robot, keep=["torque_rate"])
+
+
+def test_via_times_keep_it(puma: ps.Robot) -> None:
+    robot = puma.with_limits(torque_rate=235.0)
+    start = ps.profiles.quintic_spline(VIAS, [0.0, 0.6, 1.5])
+    assert not ps.assess(robot, start).is_feasible
+    result = ps.optimise_via_times(
+        ps.profiles.quintic_spline, VIAS, [0.0, 0.6, 1.5], robot=robot, keep=["torque_rate"], restarts=0
+    )
+    found = ps.assess(robot, result.trajectory)
+    assert not [check for check in found.violations if check.quantity == "torque_rate"]

@@ -27,7 +27,7 @@ from puma_septic.optimisation.problems import (
 )
 from puma_septic.optimisation.searching import COARSE, FINE, KEPT
 from puma_septic.optimisation.variables import MakeTrajectory
-from puma_septic.quantities import MOTION
+from puma_septic.quantities import COMMON, MOTION
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_array
@@ -181,7 +181,7 @@ def least_time(
         Whose limits are kept; needed for effort and position.
     keep : sequence of str, optional
         Which of them: "position", "velocity", "acceleration", "jerk", "effort"; all that are known by default. The
-        others are assessed too, and named where they are not held.
+        others, such as the torque's rate, are assessed too, and named where they are not held.
     max_velocity, max_acceleration, max_jerk : array_like, shape () or (n_joints,), optional
         Further limits, or those without a robot; NaN where there is none. rad/s, rad/s^2, rad/s^3.
     max_overshoot : array_like, shape () or (n_joints,), optional
@@ -210,7 +210,7 @@ def least_time(
     >>> round(result.duration, 4), result.is_feasible  # (60 h / j)^(1/3), h = 2
     (1.2599, True)
     """
-    quantities = checked_quantities(keep if keep is not None else known_quantities(robot))
+    quantities = _respected(robot, keep)
     total = 1.0 if np.ndim(times) == 0 else np.asarray(times) / float(np.ptp(np.asarray(times, dtype=np.float64)))
     untimed = [name for name in quantities if name == "position"]
     setting = checked_setting(
@@ -237,6 +237,20 @@ def least_time(
         n_evaluations=n_evaluations,
         verdict=verdict,
     )
+
+
+def _respected(robot: Robot | None, keep: Sequence[str] | None) -> tuple[str, ...]:
+    """The named limits, or all that are known of those that the search can keep."""
+    if keep is None:
+        return tuple(name for name in known_quantities(robot) if name in COMMON)
+    quantities = checked_quantities(keep)
+    for name in quantities:
+        if name not in COMMON:
+            raise InputError(
+                f"least time cannot keep the {name} limit; valid: {', '.join(COMMON)}. It is assessed, and named where"
+                " it is not held"
+            )
+    return quantities
 
 
 def _checked_limits(

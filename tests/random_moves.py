@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from puma_septic.checks import Array
 
 import puma_septic as ps
 from puma_septic import profiles
+from puma_septic.validation import Array
 
 FAMILIES = tuple(info.name for info in profiles.available())
 # The arm bent, well inside its position limits.

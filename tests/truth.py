@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from puma_septic.checks import Array
 
 import puma_septic as ps
 from puma_septic.piecewise.directions import STILL
+from puma_septic.validation import Array
 
 GOLDEN = (np.sqrt(5) - 1) / 2
 SAMPLES = 97

@@ -21,7 +21,7 @@ _HOMES: Final = {
     "Drive": "drives",
     "Drivetrain": "drives",
     "Dwell": "cycle",
-    "Friction": "drives",
+    "Friction": "friction",
     "Gearbox": "drives",
     "InputError": "errors",
     "JointTrajectoryError": "ros",
@@ -59,12 +59,12 @@ _HOMES: Final = {
     "least_stretch": "gate",
     "least_time": "optimisation",
     "load_catalogue": "drives",
-    "load_drivetrains": "drives",
+    "load_drivetrains": "robot",
     "load_robot": "robot",
     "load_task": "task",
     "lspb": "profiles",
     "optimise_via_times": "optimisation",
-    "own_drivetrains": "drives",
+    "own_drivetrains": "robot",
     "paper": "paper",
     "pareto_front": "optimisation",
     "plots": "plots",
@@ -104,19 +104,17 @@ if TYPE_CHECKING:
     from puma_septic.drives import Catalogue as Catalogue
     from puma_septic.drives import Drive as Drive
     from puma_septic.drives import Drivetrain as Drivetrain
-    from puma_septic.drives import Friction as Friction
     from puma_septic.drives import Gearbox as Gearbox
     from puma_septic.drives import Motor as Motor
     from puma_septic.drives import built_in_catalogue as built_in_catalogue
     from puma_septic.drives import load_catalogue as load_catalogue
-    from puma_septic.drives import load_drivetrains as load_drivetrains
-    from puma_septic.drives import own_drivetrains as own_drivetrains
     from puma_septic.dynamics import inverse_dynamics as inverse_dynamics
     from puma_septic.dynamics import torque_terms as torque_terms
     from puma_septic.errors import InputError as InputError
     from puma_septic.errors import ModelError as ModelError
     from puma_septic.errors import NoSolution as NoSolution
     from puma_septic.errors import PumaSepticError as PumaSepticError
+    from puma_septic.friction import Friction as Friction
     from puma_septic.gate import TrajectoryCheck as TrajectoryCheck
     from puma_septic.gate import check_trajectory as check_trajectory
     from puma_septic.gate import least_stretch as least_stretch
@@ -144,7 +142,9 @@ if TYPE_CHECKING:
     from puma_septic.robot import Payload as Payload
     from puma_septic.robot import Robot as Robot
     from puma_septic.robot import Wrench as Wrench
+    from puma_septic.robot import load_drivetrains as load_drivetrains
     from puma_septic.robot import load_robot as load_robot
+    from puma_septic.robot import own_drivetrains as own_drivetrains
     from puma_septic.ros import JointTrajectoryError as JointTrajectoryError
     from puma_septic.ros import read_joint_trajectories as read_joint_trajectories
     from puma_septic.ros import read_joint_trajectory as read_joint_trajectory

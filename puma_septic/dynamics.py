@@ -16,6 +16,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from puma_septic.errors import InputError, ModelError
+from puma_septic.friction import friction_terms, loss
 from puma_septic.kinematics import checked_joint_values, forward_kinematics, jacobian
 from puma_septic.robot import Robot
 from puma_septic.validation import Array
@@ -24,10 +25,11 @@ __all__ = [
     "TERMS",
     "TorqueTerms",
     "check_inertia",
-    "coulomb_torque",
+    "check_plain_friction",
     "inverse_dynamics",
     "mass_matrix",
-    "smooth_terms",
+    "rigid_terms",
+    "rigid_torque",
     "smooth_torque",
     "torque_terms",
 ]
@@ -53,8 +55,10 @@ class TorqueTerms(Generic[Quantity]):
         ``g(q)``.
     rotor : ndarray
         Rotor inertia, ``rotor_inertia gear_ratio^2 a``.
-    viscous, coulomb : ndarray
-        Friction; see `Actuator`.
+    viscous : ndarray
+        Friction that grows with the velocity; see `Friction`.
+    coulomb : ndarray
+        Dry friction: Coulomb's, what Stribeck's has more, and what the gears lose of their load.
     payload : ndarray
         All that the payload adds: weight, inertia and Coriolis.
     wrench : ndarray
@@ -80,15 +84,16 @@ class TorqueTerms(Generic[Quantity]):
 def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike, *, friction: bool = True) -> Array:
     """Torque that moves the arm through (q, v, a), with its payload and wrench; rotor inertia always included.
 
-    ``tau = M(q) a + C(q, v) v + g(q) + rotor a + J^T w + viscous v + coulomb(sign v)``; the Coulomb term is zero at
-    rest, where static friction can have any value within its band.
+    ``tau = M(q) a + C(q, v) v + g(q) + rotor a + J^T w + viscous v + coulomb(sign v)``, with the friction law of each
+    drivetrain, see `Friction`, and the losses of gears whose efficiency or load share is known; the Coulomb term is
+    zero at rest, where static friction can have any value within its band.
 
     Parameters
     ----------
     q, v, a : array_like, shape (n_joints,) or (n, n_joints)
         rad, rad/s, rad/s^2 (m ... for prismatic joints).
     friction : bool
-        False leaves out viscous and Coulomb friction.
+        False leaves out all friction, and the losses of the gears.
 
     Returns
     -------
@@ -112,9 +117,10 @@ def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike, *, 
     """
     single, (q_, v_, a_) = _samples(robot, q, v, a)
     check_inertia(robot)
-    tau = smooth_torque(robot, q_, v_, a_) if friction else _rigid_torque(robot, q_, v_, a_)
+    tau = rigid_torque(robot, q_, v_, a_)
     if friction:
-        tau = tau + coulomb_torque(robot, np.sign(v_))
+        terms = _friction(robot, v_, a_, tau)
+        tau = tau + terms["viscous"] + terms["coulomb"]
     return tau[0] if single else tau
 
 
@@ -125,18 +131,18 @@ def torque_terms(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Torq
     """
     single, (q_, v_, a_) = _samples(robot, q, v, a)
     check_inertia(robot)
-    terms = smooth_terms(robot, q_, v_, a_)
-    terms["coulomb"] = coulomb_torque(robot, np.sign(v_))
+    terms = rigid_terms(robot, q_, v_, a_)
+    terms |= _friction(robot, v_, a_, functools.reduce(operator.add, terms.values()))
     return TorqueTerms(**{name: term[0] if single else term for name, term in terms.items()})
 
 
 def smooth_torque(robot: Robot, q: Array, v: Array, a: Array) -> Array:
-    """All but the Coulomb term, for checked arrays of shape (n, n_joints): smooth wherever the motion is."""
-    return np.asarray(_rigid_torque(robot, q, v, a) + robot.viscous_friction * v)
+    """All but dry friction, for checked arrays of shape (n, n_joints): smooth wherever the motion is."""
+    return np.asarray(rigid_torque(robot, q, v, a) + robot.viscous_friction * v)
 
 
-def smooth_terms(robot: Robot, q: Array, v: Array, a: Array) -> dict[str, Array]:
-    """The terms of `smooth_torque`, for checked arrays of shape (n, n_joints)."""
+def rigid_terms(robot: Robot, q: Array, v: Array, a: Array) -> dict[str, Array]:
+    """The terms of `rigid_torque`, for checked arrays of shape (n, n_joints)."""
     rest = np.zeros_like(q)
     gravity = _rnea(robot, robot.bare_model, q, rest, rest)
     bias = _rnea(robot, robot.bare_model, q, v, rest)
@@ -147,16 +153,9 @@ def smooth_terms(robot: Robot, q: Array, v: Array, a: Array) -> dict[str, Array]
         "coriolis": bias - gravity,
         "gravity": gravity,
         "rotor": robot.armature * a,
-        "viscous": robot.viscous_friction * v,
         "payload": loaded - bare,
         "wrench": _wrench_torque(robot, q),
     }
-
-
-def coulomb_torque(robot: Robot, sign: Array) -> Array:
-    """Coulomb friction at the joint for signs of the velocity, shape (..., n_joints); 0 gives 0."""
-    positive, negative = robot.coulomb_friction.T
-    return np.where(sign > 0, positive, np.where(sign < 0, negative, 0.0))
 
 
 def mass_matrix(robot: Robot, q: Array) -> Array:
@@ -179,6 +178,20 @@ def check_inertia(robot: Robot) -> None:
         )
 
 
+def check_plain_friction(robot: Robot, what: str) -> None:
+    """Raise an InputError unless friction is viscous plus constant, as what scales a motion in time takes it to be."""
+    joints = [
+        name
+        for name, law, factors in zip(robot.joint_names, robot.friction, robot.transmission, strict=True)
+        if not law.is_linear or (factors != 1).any()
+    ]
+    if joints:
+        raise InputError(
+            f"{what} knows viscous and Coulomb friction alone; {', '.join(map(repr, joints))} of robot"
+            f" {robot.name!r} has Stribeck friction, or gears that lose a part of their load"
+        )
+
+
 def _samples(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> tuple[bool, list[Array]]:
     arrays = [checked_joint_values(robot, name, value) for name, value in (("q", q), ("v", v), ("a", a))]
     shapes = {np.shape(value) for value in (q, v, a)}
@@ -188,7 +201,16 @@ def _samples(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> tuple[bo
     return np.ndim(q) == 1, arrays
 
 
-def _rigid_torque(robot: Robot, q: Array, v: Array, a: Array) -> Array:
+def _friction(robot: Robot, v: Array, a: Array, rigid: Array) -> dict[str, Array]:
+    """Friction by cause; the gears carry all of the rigid-body torque but the rotors'."""
+    terms = friction_terms(robot.friction, v, np.sign(v))
+    if robot.has_losses:
+        terms["coulomb"] = terms["coulomb"] + loss(robot.transmission, rigid - robot.armature * a, v)
+    return terms
+
+
+def rigid_torque(robot: Robot, q: Array, v: Array, a: Array) -> Array:
+    """All but friction, for checked arrays of shape (n, n_joints)."""
     tau = _rnea(robot, robot.model, q, v, a)
     return tau if robot.wrench is None else tau + _wrench_torque(robot, q)
 

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+import functools
+import operator
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.dynamics import TorqueTerms, check_inertia, coulomb_torque, smooth_terms, smooth_torque
+from puma_septic.dynamics import TorqueTerms, check_inertia, inverse_dynamics, rigid_terms, smooth_torque
 from puma_septic.errors import InputError, PumaSepticError
+from puma_septic.friction import friction_along, loss_along
 from puma_septic.piecewise import Piecewise
 from puma_septic.quantities import QUANTITIES
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_choice
 
-__all__ = ["Motion", "compute_motion"]
+__all__ = ["Motion", "Rest", "compute_motion"]
 
 # A hundredth of what the torque is fitted to: between reversals it needs fewer coefficients than over all of them.
 _NEGLIGIBLE = 1e-13
@@ -34,6 +37,8 @@ class Motion:
     torque : Piecewise
         Joint-side actuator torque in N m (N for prismatic joints). It steps where a joint reverses or comes to rest, by
         the Coulomb friction. While a joint is at rest its Coulomb term is 0: static friction is indeterminate.
+    coulomb : Piecewise
+        The part of the torque that dry friction takes, see `TorqueTerms`.
     direction : Piecewise
         Which way each joint travels on each interval of ``torque.breaks``: +1, -1, or 0 at rest.
     n_evaluations : int
@@ -43,6 +48,7 @@ class Motion:
     robot: Robot
     trajectory: Trajectory
     torque: Piecewise
+    coulomb: Piecewise
     direction: Piecewise
     n_evaluations: int
 
@@ -53,6 +59,16 @@ class Motion:
         still.setflags(write=False)
         return still
 
+    def rest(self, duration: float) -> Rest:
+        """The rest at its last point.
+
+        Returns
+        -------
+        Rest
+        """
+        trajectory = self.trajectory
+        return Rest(robot=self.robot, q=trajectory(trajectory.breaks[-1]), duration=duration)
+
     @property
     def power(self) -> Piecewise:
         """Mechanical joint power ``torque * velocity`` in W, positive where the actuator drives."""
@@ -61,7 +77,7 @@ class Motion:
     def signal(self, quantity: str) -> Piecewise:
         """A quantity as a function of time: "position", "velocity", "acceleration", "jerk", "effort" ...
 
-        A derivative of the torque is that of its smooth part, without the steps of the Coulomb friction: a real joint
+        A derivative of the torque is that of its smooth part, without the steps of dry friction: a real joint
         passes from stiction to sliding over some travel, and where makers limit the rate it is that of a command
         without friction (libfranka, ``franka::Torques``: "without gravity and friction").
 
@@ -85,22 +101,62 @@ class Motion:
         return function
 
     @property
-    def coulomb(self) -> Piecewise:
-        """The part of the torque that Coulomb friction takes, constant between the breaks of `torque`, N m (N)."""
-        return self.direction.stepwise(coulomb_torque(self.robot, self.direction.coefficients[0]))
-
-    @property
     def torque_terms(self) -> TorqueTerms[Piecewise]:
         """The torque by cause, each a Piecewise; they sum to `torque`."""
         return _split_torque(self)
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Rest:
+    """A robot that holds still for a while, without the help of static friction: functions of time from 0.
+
+    Attributes
+    ----------
+    robot : Robot
+    q : ndarray, shape (n_joints,)
+        rad (m for prismatic joints).
+    duration : float
+        s, above 0.
+    is_braked : bool
+        A brake at the motor holds the joints instead of the actuators.
+    """
+
+    robot: Robot
+    q: Array
+    duration: float
+    is_braked: bool = False
+
+    @property
+    def holding_torque(self) -> Array:
+        """What holds each joint, N m (N), shape (n_joints,): gravity, payload and wrench."""
+        rest = np.zeros_like(self.q)
+        return inverse_dynamics(self.robot, self.q, rest, rest, friction=False)
+
+    @property
+    def position(self) -> Piecewise:
+        """The posture."""
+        return Piecewise.constant(self.q, self.duration)
+
+    @property
+    def load(self) -> Piecewise:
+        """What the gears carry."""
+        return Piecewise.constant(self.holding_torque, self.duration)
+
+    @property
+    def torque(self) -> Piecewise:
+        """What the actuators do: nothing under a brake."""
+        return self.load * (0.0 if self.is_braked else 1.0)
 
 
 def compute_motion(robot: Robot, trajectory: Trajectory) -> Motion:
     """Torque and power of a robot along a trajectory, exactly.
 
     The smooth part of the torque (rigid body, rotors, viscous friction, payload, wrench) is fitted by Chebyshev series
-    between the trajectory's breaks, to 1e-11 of each joint's largest value; Coulomb friction is a step function that
-    changes where the joint's velocity changes sign.
+    between the trajectory's breaks, to 1e-11 of each joint's largest value. Dry friction is added by its law: Coulomb
+    friction is a step function that changes where the joint reverses or comes to rest, Stribeck friction an exponential
+    of the velocity that is fitted likewise, and the losses of the gears are shares of the load between its changes of
+    sign.
 
     Parameters
     ----------
@@ -138,16 +194,25 @@ def compute_motion(robot: Robot, trajectory: Trajectory) -> Motion:
         smooth = trajectory.state.mapped(torque_of)
     except PumaSepticError as error:
         raise InputError(_why_not_resolved(robot, trajectory)) from error
-    direction = trajectory.direction
-    coulomb = direction.stepwise(coulomb_torque(robot, direction.coefficients[0]))
+    coulomb = _friction(robot, trajectory, smooth)["coulomb"]
     torque = (smooth + coulomb).trimmed(_NEGLIGIBLE)
     return Motion(
         robot=robot,
         trajectory=trajectory,
         torque=torque,
-        direction=direction.aligned_with(torque),
+        coulomb=coulomb.aligned_with(torque),
+        direction=trajectory.direction.aligned_with(torque),
         n_evaluations=n_evaluations,
     )
+
+
+def _friction(robot: Robot, trajectory: Trajectory, smooth: Piecewise) -> dict[str, Piecewise]:
+    """Friction by cause; the gears carry all of the smooth torque but viscous friction and the rotors'."""
+    terms = friction_along(robot.friction, trajectory.derivative(1), trajectory.direction)
+    if robot.has_losses:
+        load = smooth - terms["viscous"] - trajectory.derivative(2) * robot.armature
+        terms["coulomb"] = terms["coulomb"] + loss_along(robot.transmission, load, trajectory.direction)
+    return terms
 
 
 def _check_joints(robot: Robot, trajectory: Trajectory) -> None:
@@ -180,15 +245,16 @@ def _why_not_resolved(robot: Robot, trajectory: Trajectory) -> str:
 
 
 def _split_torque(motion: Motion) -> TorqueTerms[Piecewise]:
-    """Each term fitted on its own; the Coulomb term as the motion has it."""
+    """Each rigid term fitted on its own; friction as the motion has it."""
     robot, trajectory, n = motion.robot, motion.trajectory, motion.robot.n_joints
 
     def terms_of(state: Array) -> Array:
         q, v, a = (state[:, k * n : (k + 1) * n] for k in range(3))
-        return np.concatenate(list(smooth_terms(robot, q, v, a).values()), axis=1)
+        return np.concatenate(list(rigid_terms(robot, q, v, a).values()), axis=1)
 
     fitted = trajectory.state.mapped(terms_of)
-    names = list(smooth_terms(robot, *np.zeros((3, 1, n))))
+    names = list(rigid_terms(robot, *np.zeros((3, 1, n))))
     parts = {name: fitted[k * n : (k + 1) * n] for k, name in enumerate(names)}
-    parts["coulomb"] = motion.direction.stepwise(coulomb_torque(robot, motion.direction.coefficients[0]))
-    return TorqueTerms(**parts)
+    viscous = trajectory.derivative(1) * robot.viscous_friction
+    smooth = functools.reduce(operator.add, parts.values(), viscous)
+    return TorqueTerms(**parts, **_friction(robot, trajectory, smooth))

@@ -120,7 +120,7 @@ def test_a_motor_that_cannot_be_is_refused(values: dict, message: str) -> None:
     ("values", "message"),
     [
         ({"ratio": 0.0}, "gear ratio = 0: the ratio of motor speed to joint speed cannot be zero"),
-        ({"ratio": np.nan}, "gear ratio = nan is not a finite number"),
+        ({"ratio": np.inf}, "ratio = inf is not a finite number"),
         ({"ratio": 10.0, "efficiency": 1.01}, "efficiency = 1.01 must be at most 1"),
         ({"ratio": 10.0, "efficiency": 0.0}, "efficiency = 0 must be greater than 0"),
         ({"ratio": 10.0, "backward_efficiency": -0.1}, "backward_efficiency = -0.1 must be at least 0"),

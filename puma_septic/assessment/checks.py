@@ -56,16 +56,16 @@ def _position_check(robot: Robot, j: int, position: Extrema) -> LimitCheck:
 
 def unknown_values(robot: Robot) -> tuple[str, ...]:
     """What cannot be assessed because it is not known, one line per quantity with the joints concerned."""
-    limits, actuators = robot.limits, robot.actuators
+    limits, friction = robot.limits, robot.friction
     # A continuous joint has no position limit to know.
     unknown: dict[str, Any] = {
         "position limit": np.isnan(limits.position).any(axis=1) & ~robot.is_continuous,
         **{f"{name} limit": np.isnan(getattr(limits, name)) for name in limits.quantities if name in MAGNITUDES},
-        "rotor inertia (its torque is left out)": np.isnan([actuator.armature for actuator in actuators]),
-        "viscous friction (its torque is left out)": np.isnan([actuator.viscous_friction for actuator in actuators]),
-        "Coulomb friction (its torque is left out)": np.isnan(
-            [actuator.coulomb_friction for actuator in actuators]
-        ).any(axis=1),
+        "rotor inertia (its torque is left out)": np.isnan(
+            [train.motor.rotor_inertia * train.ratio for train in robot.drivetrains]
+        ),
+        "viscous friction (its torque is left out)": np.isnan([law.viscous for law in friction]),
+        "Coulomb friction (its torque is left out)": np.isnan([law.coulomb for law in friction]).any(axis=1),
     }
     lines = []
     for what, mask in unknown.items():

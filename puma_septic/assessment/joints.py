@@ -8,9 +8,9 @@ from typing import TypedDict, final
 
 import numpy as np
 
-from puma_septic.dynamics import inverse_dynamics, mass_matrix
+from puma_septic.dynamics import mass_matrix
 from puma_septic.motion import Motion
-from puma_septic.piecewise import Jumps
+from puma_septic.piecewise import Jumps, Piecewise
 from puma_septic.quantities import MOTION, Quantity
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
@@ -59,18 +59,13 @@ def joint_metrics(motion: Motion, dwell: float) -> JointMetrics:
     cycle = trajectory.duration + dwell
     (v, t_v), (a, t_a), (j, t_j) = (trajectory.peak(order) for order in (1, 2, 3))
     _, rms_v, rms_a, rms_j = np.sqrt(trajectory.state.inner(trajectory.state) / cycle).reshape(4, -1)
-    torque = motion.torque.extrema()
+    whole = _with_rest(motion, dwell)
+    torque = whole.extrema()
     blow_time, blow_sign = first_blows(motion)
     struck = ~np.isnan(blow_time)
-    held = holding_torque(motion) if dwell else np.zeros(motion.robot.n_joints)
-    square = motion.torque.inner(motion.torque) + held**2 * dwell
     # The extreme that is named by its instant; a constant has both at once.
     constant = torque.t_min == torque.t_max
     negative = np.where(constant, torque.min < 0, torque.t_peak == torque.t_min)
-    # Friction may help while the arm moves; what holds it at rest may be more.
-    rests = np.abs(held) > torque.peak
-    peak, negative = np.where(rests, np.abs(held), torque.peak), np.where(rests, held < 0, negative)
-    t_peak = np.where(rests, trajectory.breaks[-1], torque.t_peak)
     metrics = JointMetrics(
         peak_velocity=v,
         peak_velocity_time=t_v,
@@ -78,16 +73,23 @@ def joint_metrics(motion: Motion, dwell: float) -> JointMetrics:
         peak_acceleration_time=t_a,
         peak_jerk=j,
         peak_jerk_time=t_j,
-        peak_torque=np.where(struck, np.inf, peak),
-        peak_torque_time=np.where(struck, blow_time, t_peak),
+        peak_torque=np.where(struck, np.inf, torque.peak),
+        peak_torque_time=np.where(struck, blow_time, torque.t_peak),
         peak_torque_sign=np.where(struck, blow_sign, np.where(negative, -1.0, 1.0)),
         rms_velocity=np.where(np.isinf(v), np.inf, rms_v),
         rms_acceleration=np.where(np.isinf(a), np.inf, rms_a),
         rms_jerk=np.where(np.isinf(j), np.inf, rms_j),
-        rms_torque=np.where(struck, np.inf, np.sqrt(square / cycle)),
+        rms_torque=np.where(struck, np.inf, whole.rms()),
     )
     _freeze(metrics.values())
     return metrics
+
+
+def _with_rest(motion: Motion, dwell: float) -> Piecewise:
+    """Torque over motion and dwell. Friction may help while the arm moves; what holds it at rest may be more."""
+    if not dwell:
+        return motion.torque
+    return Piecewise.sequence([motion.torque, motion.rest(dwell).torque]).shifted(motion.torque.start)
 
 
 def _freeze(arrays: Iterable[object]) -> None:
@@ -143,13 +145,6 @@ def blows(robot: Robot, trajectory: Trajectory, jumps: Jumps) -> tuple[Array, Ar
         new = np.isnan(times) & (size != 0)
         times[new], signs[new] = time, np.sign(size[new])
     return times, signs
-
-
-def holding_torque(motion: Motion) -> Array:
-    """Torque at rest at the end, without static friction: what a dwell without a brake takes, shape (n_joints,)."""
-    q = motion.trajectory(motion.trajectory.breaks[-1])
-    rest = np.zeros_like(q)
-    return inverse_dynamics(motion.robot, q, rest, rest)
 
 
 def power_metrics(motion: Motion) -> PowerMetrics:

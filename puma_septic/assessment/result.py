@@ -9,14 +9,7 @@ from typing import Any, final
 import numpy as np
 
 from puma_septic.assessment.checks import limit_checks, unknown_values
-from puma_septic.assessment.joints import (
-    PowerMetrics,
-    coulomb_steps,
-    derivative_peak,
-    holding_torque,
-    joint_metrics,
-    power_metrics,
-)
+from puma_septic.assessment.joints import PowerMetrics, coulomb_steps, derivative_peak, joint_metrics, power_metrics
 from puma_septic.assessment.tool import ToolMetrics, tool_metrics
 from puma_septic.document import SCHEMAS, plain
 from puma_septic.errors import InputError
@@ -113,16 +106,16 @@ class Assessment:
     @cached_property
     def holding_torque(self) -> Array:
         """Torque that holds the arm at rest at the last point without static friction, N m (N)."""
-        return read_only(holding_torque(self.motion))
+        return read_only(self.motion.rest(self.dwell).holding_torque)
 
     @cached_property
     def least_holding_torque(self) -> Array:
-        """The same with all the help that static friction can give, taken equal to Coulomb friction: 0 within its band.
+        """The same with all the help that static friction can give: 0 within its band.
 
         Friction can carry any torque of its band, so the actuator needs at least the distance of the holding torque
-        from it.
+        from it. The band is the law's static level, where that is not known Coulomb friction; see `Friction.band`.
         """
-        positive, negative = self.motion.robot.coulomb_friction.T
+        positive, negative = np.transpose([law.band for law in self.motion.robot.friction])
         return read_only(self.holding_torque - np.clip(self.holding_torque, -positive, -negative))
 
     @property
@@ -339,9 +332,9 @@ def _static_friction_remarks(assessment: Assessment) -> tuple[str, ...]:
     robot, still = assessment.motion.robot, assessment.motion.still
     resting = np.asarray(still.any(axis=0) | (assessment.dwell > 0))
     bands = [
-        f"{name} [{negative:.3g}, {positive:.3g}]"
-        for name, rests, (positive, negative) in zip(robot.joint_names, resting, robot.coulomb_friction, strict=True)
-        if rests and (positive or negative)
+        f"{name} [{law.band[1]:.3g}, {law.band[0]:.3g}]"
+        for name, rests, law in zip(robot.joint_names, resting, robot.friction, strict=True)
+        if rests and law.band.any()
     ]
     if not bands:
         return ()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import final
 
@@ -83,7 +83,10 @@ class Cycle:
 
     @cached_property
     def trajectory(self) -> Trajectory:
-        """Position and its derivatives over the whole cycle; its points are the ends of the steps."""
+        """Position and its derivatives over the whole cycle; its points are the ends of the steps.
+
+        What does not count as motion is the largest travel that does not in any step.
+        """
         position = self._sequence([step.position for step in self._stretches])
         return Trajectory(
             position=position,
@@ -91,6 +94,9 @@ class Cycle:
             times=self.starts,
             profile="cycle",
             joint_names=self.joint_names,
+            rest_before=_rests(self.steps[0], "before"),
+            rest_after=_rests(self.steps[-1], "after"),
+            resolution=np.max([step.resolution for step in self._stretches], axis=0),
         )
 
     @cached_property
@@ -169,6 +175,11 @@ class Cycle:
         return Piecewise.sequence(functions)
 
 
+def _rests(step: Motion | Dwell, side: str) -> bool:
+    """Whether the arm is at rest before, or after, a step."""
+    return isinstance(step, Dwell) or bool(getattr(step.trajectory, f"rest_{side}"))
+
+
 def with_return(motion: Motion, *, dwell: float = 0.0, robot_back: Robot | None = None) -> Cycle:
     """There and back: a motion, then the same path in reversed time.
 
@@ -189,12 +200,14 @@ def with_return(motion: Motion, *, dwell: float = 0.0, robot_back: Robot | None 
     True
     """
     trajectory = motion.trajectory
-    back = Trajectory(
+    back = replace(
+        trajectory,
         position=trajectory.position.reversed(),
         points=trajectory.points[::-1],
         times=trajectory.breaks[-1] - trajectory.times[::-1],
         profile=f"{trajectory.profile}, reversed",
-        joint_names=trajectory.joint_names,
+        rest_before=trajectory.rest_after,
+        rest_after=trajectory.rest_before,
     )
     rest = [Dwell(duration=dwell)] if checked_number("dwell", dwell, unit="s", at_least=0.0) else []
     return Cycle(steps=(motion, *rest, compute_motion(robot_back or motion.robot, back), *rest))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from puma_septic.dynamics import inverse_dynamics, mass_matrix
 from puma_septic.errors import InputError
-from puma_septic.motion import Motion, compute_motion
+from puma_septic.motion import Motion, Rest, compute_motion
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Actuator, Payload, Robot
 from puma_septic.validation import Array, checked_number
@@ -53,7 +53,8 @@ class Dwell:
 class Stretch:
     """One step of a cycle, from time 0: the arm, and what it does.
 
-    `load` is the torque without drives, `direction` the way of each joint on each interval of its breaks, 0 at rest.
+    `load` is the torque without drives, `direction` the way of each joint on each interval of its breaks, 0 at rest;
+    `resolution` is the travel of each joint that does not count as motion.
     """
 
     robot: Robot
@@ -61,6 +62,7 @@ class Stretch:
     torque: Piecewise
     load: Piecewise
     direction: Array
+    resolution: Array
     braked: bool
     label: str
 
@@ -85,8 +87,8 @@ def check_steps(steps: tuple[Motion | Dwell, ...]) -> None:
 
 
 def _same_drives(one: Robot, other: Robot) -> bool:
-    names = ("armature", "viscous_friction", "coulomb_friction")
-    return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in names)
+    arrays = all(np.array_equal(getattr(one, name), getattr(other, name)) for name in ("armature", "transmission"))
+    return arrays and all(a.known.is_same(b.known) for a, b in zip(one.friction, other.friction, strict=True))
 
 
 def stretch(steps: tuple[Motion | Dwell, ...], k: int) -> Stretch:
@@ -101,6 +103,7 @@ def stretch(steps: tuple[Motion | Dwell, ...], k: int) -> Stretch:
             torque=step.torque.from_zero(),
             load=bare.torque.from_zero(),
             direction=bare.direction.coefficients[0],
+            resolution=np.asarray(trajectory.resolution),
             braked=False,
             label=f"steps[{k}] ({trajectory.profile}, {trajectory.duration:g} s)",
         )
@@ -113,15 +116,14 @@ def _dwell_stretch(steps: tuple[Motion | Dwell, ...], k: int, dwell: Dwell) -> S
     motion = before[-1] if before else next(step for step in steps if isinstance(step, Motion))
     robot = motion.robot if dwell.payload is None else motion.robot.with_payload(dwell.payload)
     q = motion.trajectory(motion.trajectory.breaks[-1 if before else 0])
-    rest = np.zeros_like(q)
-    load = inverse_dynamics(robot, q, rest, rest, friction=False)
-
+    rest = Rest(robot=robot, q=q, duration=dwell.duration, is_braked=dwell.holding_brake)
     return Stretch(
         robot=robot,
-        position=Piecewise.constant(q, dwell.duration),
-        torque=Piecewise.constant(rest if dwell.holding_brake else load, dwell.duration),
-        load=Piecewise.constant(load, dwell.duration),
-        direction=rest[None],
+        position=rest.position,
+        torque=rest.torque,
+        load=rest.load,
+        direction=np.zeros((1, robot.n_joints)),
+        resolution=np.zeros(robot.n_joints),
         braked=dwell.holding_brake,
         label=f"steps[{k}] (dwell, {dwell.duration:g} s)",
     )

@@ -1,11 +1,10 @@
 """Motors, gearboxes and the electronics that feed them; catalogues to choose from."""
 
-from puma_septic.drives._friction import Friction
-from puma_septic.drives.catalogue import Catalogue, Pair
-from puma_septic.drives.catalogue_files import BUILT_IN, built_in_catalogue, load_catalogue
-from puma_septic.drives.drivetrain import Drivetrain
-from puma_septic.drives.reading import load_drivetrains, own_drivetrains
-from puma_septic.drives.values import Drive, Gearbox, Motor
+from puma_septic.drives._catalogue import Catalogue, Pair
+from puma_septic.drives._catalogue_files import BUILT_IN, built_in_catalogue, load_catalogue
+from puma_septic.drives._drivetrain import Drivetrain
+from puma_septic.drives._parts import Drive, Gearbox, Motor
+from puma_septic.friction import Friction
 
 __all__ = [
     "BUILT_IN",
@@ -18,6 +17,4 @@ __all__ = [
     "Pair",
     "built_in_catalogue",
     "load_catalogue",
-    "load_drivetrains",
-    "own_drivetrains",
 ]

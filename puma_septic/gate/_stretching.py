@@ -14,7 +14,7 @@ from typing import Final, final
 import numpy as np
 
 from puma_septic.assessment import Assessment, LimitCheck, assess
-from puma_septic.dynamics import smooth_torque
+from puma_septic.dynamics import check_plain_friction, smooth_torque
 from puma_septic.errors import NoSolution
 from puma_septic.gate._reasons import AT_REST
 from puma_septic.limit_check import AT_LIMIT
@@ -79,6 +79,8 @@ def least_stretch(robot: Robot, trajectory: Trajectory) -> Stretch:
 
     Raises
     ------
+    InputError
+        For friction that is not viscous plus constant: its torque is no such polynomial.
     NoSolution
         Where no stretch helps: a position beyond its bound, a step of velocity or, under a jerk limit, of
         acceleration, a torque that gravity and friction alone break, or a motion that starts or ends moving. The
@@ -97,6 +99,7 @@ def least_stretch(robot: Robot, trajectory: Trajectory) -> Stretch:
     first = assess(motion)
     if first.is_feasible:
         return Stretch(factor=1.0, trajectory=trajectory, assessment=first, governing=None)
+    check_plain_friction(robot, "the least stretch that keeps a torque limit")
     _refuse_hopeless(first)
     u = _rate_of_torque_derivatives(motion, _largest_rate(motion, _kinematic_rate(first)))
     slower = stretched(trajectory, 1 / u)

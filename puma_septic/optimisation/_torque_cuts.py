@@ -16,8 +16,9 @@ from typing import Final, final
 
 import numpy as np
 
-from puma_septic.dynamics import coulomb_torque, smooth_torque
+from puma_septic.dynamics import check_plain_friction, smooth_torque
 from puma_septic.errors import InputError, NoSolution
+from puma_septic.friction import friction_terms
 from puma_septic.motion import Motion
 from puma_septic.objectives import Candidate
 from puma_septic.optimisation.searching import KEPT
@@ -109,7 +110,8 @@ def torque_cuts(motion: Motion) -> TorqueCuts:
 
 def _coulomb(motion: Motion) -> Array:
     """Coulomb friction on each interval of the torque, shape (n_intervals, n_joints)."""
-    return coulomb_torque(motion.robot, motion.direction.coefficients[0])
+    ways = motion.direction.coefficients[0]
+    return friction_terms(motion.robot.friction, 0 * ways, ways)["coulomb"]
 
 
 def least_duration(made: Callable[[float], Candidate], shortest: float) -> Candidate:
@@ -125,13 +127,14 @@ def least_duration(made: Callable[[float], Candidate], shortest: float) -> Candi
     Raises
     ------
     InputError
-        If no limit bounds the duration.
+        If no limit bounds the duration, or for friction that is not viscous plus constant.
     NoSolution
         If no duration keeps them, with the joint whose weight and Coulomb friction alone exceed its limit.
     """
     candidate = made(shortest or 1.0)
     if shortest and _is_kept(candidate):
         return candidate
+    check_plain_friction(candidate.motion.robot, "the least duration at which torque keeps its limits")
     cuts, rate = torque_cuts(candidate.motion), 1 / shortest if shortest else np.inf
     for _ in range(_ROUNDS):
         rate = cuts.largest_rate(rate)

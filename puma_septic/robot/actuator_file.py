@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, final
 
 import numpy as np
 
+from puma_septic.drives import Drivetrain
 from puma_septic.errors import InputError, ModelError
+from puma_septic.friction import Friction
 from puma_septic.quantities import MAGNITUDES, QUANTITIES
+from puma_septic.robot._actuator import Actuator
 from puma_septic.robot.toml_text import read_toml, table
-from puma_septic.robot.values import Actuator, Limits
+from puma_septic.robot.values import Limits
 from puma_septic.validation import Array, checked_array, checked_choice
 
 __all__ = ["ActuatorFile", "ParameterSet", "read_actuator_file"]
 
-DRIVE_KEYS = ("gear_ratio", "rotor_inertia", "armature", "viscous_friction", "coulomb_friction")
+# The optional terms of friction, by the field of the law.
+FRICTION_KEYS = {"static_friction": "static", "stribeck_velocity": "stribeck_velocity", "load_share": "load_share"}
+DRIVE_KEYS = ("gear_ratio", "rotor_inertia", "armature", "viscous_friction", "coulomb_friction", *FRICTION_KEYS)
 
 
 @final
@@ -29,7 +34,7 @@ class ParameterSet:
     ----------
     name : str
     notes : tuple of str
-    actuators : dict of str to Actuator
+    drivetrains : dict of str to Drivetrain
         By joint name.
     link_coms : dict of str to ndarray, shape (3,)
         Centre of mass of a link in the link's frame, m, instead of the URDF's.
@@ -39,7 +44,7 @@ class ParameterSet:
 
     name: str
     notes: tuple[str, ...]
-    actuators: dict[str, Actuator]
+    drivetrains: dict[str, Drivetrain]
     link_coms: dict[str, Array]
     joint_origins: dict[str, Array]
 
@@ -80,7 +85,9 @@ class ActuatorFile:
         return ParameterSet(
             name=chosen,
             notes=(f"parameters {chosen!r}: {source}", *([note] if note else [])),
-            actuators={joint: _actuator(drives[joint], f"{where} joint {joint!r}", source) for joint in joint_names},
+            drivetrains={
+                joint: _drivetrain(drives[joint], f"{where} joint {joint!r}", source) for joint in joint_names
+            },
             link_coms=_vectors(data.get("links", {}), "com", f"{where} links"),
             joint_origins=_vectors(data.get("origins", {}), "xyz", f"{where} origins"),
         )
@@ -151,7 +158,7 @@ def _default(data: Mapping[str, Any], kind: str, sets: Mapping[str, Any], path: 
     return name
 
 
-def _actuator(value: object, where: str, source: str) -> Actuator:
+def _drivetrain(value: object, where: str, source: str) -> Drivetrain:
     data = table(value, where, DRIVE_KEYS)
     if "gear_ratio" not in data:
         raise ModelError(f"{where}: gear_ratio is missing")
@@ -162,7 +169,7 @@ def _actuator(value: object, where: str, source: str) -> Actuator:
         raise ModelError(f"{where}: gear_ratio = 0: the ratio of motor speed to joint speed cannot be zero")
     inertia = float(_numbers(data.get("rotor_inertia", data.get("armature")), f"{where} rotor inertia", ()))
     try:
-        return Actuator(
+        actuator = Actuator(
             gear_ratio=ratio,
             rotor_inertia=inertia if "rotor_inertia" in data else inertia / ratio**2,
             viscous_friction=float(_numbers(data["viscous_friction"], f"{where} viscous_friction", ()))
@@ -173,8 +180,20 @@ def _actuator(value: object, where: str, source: str) -> Actuator:
             else np.full(2, np.nan),
             source=source,
         )
+        return replace(actuator.drivetrain, measured_friction=_friction(data, actuator, where))
     except InputError as error:
         raise ModelError(f"{where}: {error}") from error
+
+
+def _friction(data: Mapping[str, Any], actuator: Actuator, where: str) -> Friction:
+    """The actuator's law with the optional terms that the joint's table has."""
+    law = actuator.drivetrain.friction
+    terms: dict[str, Any] = {
+        name: _numbers(data[key], f"{where} {key}", np.shape(getattr(law, name)))
+        for key, name in FRICTION_KEYS.items()
+        if key in data
+    }
+    return replace(law, **terms)
 
 
 def _vectors(value: object, key: str, where: str) -> dict[str, Array]:

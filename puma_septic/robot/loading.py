@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from puma_septic.drives import Drivetrain
 from puma_septic.errors import InputError, ModelError
 from puma_septic.robot.actuator_file import ActuatorFile, ParameterSet, read_actuator_file
 from puma_septic.robot.meshes import confined_geometry
@@ -19,7 +20,7 @@ from puma_septic.robot.model_checks import check_complete, check_inertia, massle
 from puma_septic.robot.urdf_checks import Urdf, checked_urdf
 from puma_septic.robot.urdf_schema import vector
 from puma_septic.robot.urdf_text import read_urdf
-from puma_septic.robot.values import Actuator, Limits
+from puma_septic.robot.values import Limits
 from puma_septic.validation import Array, checked_array, checked_choice, checked_number
 
 __all__ = ["load_robot", "robot_files"]
@@ -103,7 +104,7 @@ def load_robot(
         bare_model=model,
         joint_names=urdf.moving,
         tool=chosen_tool,
-        actuators=tuple(drives.actuators[name] for name in urdf.moving),
+        drivetrains=tuple(drives.drivetrains[name] for name in urdf.moving),
         limits=chosen_limits,
         geometry=geometry,
         missing_meshes=missing_meshes,
@@ -160,7 +161,7 @@ def _parameter_set(file: ActuatorFile | None, name: str | None, urdf: Urdf, lock
     return ParameterSet(
         name="",
         notes=(note,),
-        actuators={joint: Actuator() for joint in urdf.moving},
+        drivetrains={joint: Drivetrain() for joint in urdf.moving},
         link_coms={},
         joint_origins={},
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar, final
 
@@ -10,11 +11,14 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from puma_septic.document import SCHEMAS, plain
+from puma_septic.drives import Drivetrain
 from puma_septic.errors import InputError
+from puma_septic.friction import Friction
 from puma_septic.quantities import QUANTITIES
+from puma_septic.robot._actuator import Actuator
 from puma_septic.robot.meshes import Geometry
-from puma_septic.robot.values import Actuator, Limits, Payload, Wrench
-from puma_septic.validation import Array, checked_array, checked_choice, read_only
+from puma_septic.robot.values import Limits, Payload, Wrench
+from puma_septic.validation import Array, checked_array, checked_choice
 from puma_septic.views import robot as view
 
 __all__ = ["Robot"]
@@ -43,8 +47,8 @@ class Robot:
     joint_names : tuple of str
     tool : str
         Name of the frame that is positioned and that carries payload and wrench.
-    actuators : tuple of Actuator
-        One per joint; its values are NaN where nothing is known of the drive.
+    drivetrains : tuple of Drivetrain
+        One per joint; its values are NaN where nothing is known of them.
     limits : Limits
     geometry : Geometry
         Visual and collision shapes, not yet built.
@@ -57,8 +61,12 @@ class Robot:
     wrench : Wrench or None
     notes : tuple of str
         What a reader of results must know: parameter sets, unphysical tensors, ignored tags.
+    friction : tuple of Friction
+        One per joint, at the joint.
+    transmission : ndarray, shape (n_joints, 3)
+        Of each drivetrain: factors of the load where it drives, at rest, and where the motor drives.
     armature : ndarray, shape (n_joints,)
-        Rotor inertia at the joint, kg m^2; 0 where unknown.
+        Inertia of rotor and gears at the joint, kg m^2; 0 where unknown.
     viscous_friction : ndarray, shape (n_joints,)
         At the joint, N m s/rad; 0 where unknown.
     coulomb_friction : ndarray, shape (n_joints, 2)
@@ -71,7 +79,7 @@ class Robot:
     bare_model: pin.Model
     joint_names: tuple[str, ...]
     tool: str
-    actuators: tuple[Actuator, ...]
+    drivetrains: tuple[Drivetrain, ...]
     limits: Limits
     geometry: Geometry
     missing_inertia: tuple[str, ...] = ()
@@ -80,6 +88,8 @@ class Robot:
     wrench: Wrench | None = None
     notes: tuple[str, ...] = ()
     model: pin.Model = field(init=False)
+    friction: tuple[Friction, ...] = field(init=False)
+    transmission: Array = field(init=False)
     armature: Array = field(init=False)
     viscous_friction: Array = field(init=False)
     coulomb_friction: Array = field(init=False)
@@ -91,17 +101,17 @@ class Robot:
     def __post_init__(self) -> None:
         self._check_consistent()
         joints = [self.bare_model.joints[self.bare_model.getJointId(name)] for name in self.joint_names]
-        ratios = np.array([actuator.gear_ratio for actuator in self.actuators])
-        viscous = np.array([actuator.viscous_friction for actuator in self.actuators]) * ratios**2
-        coulomb = np.array([actuator.coulomb_friction for actuator in self.actuators]) * np.abs(ratios)[:, None]
+        friction = tuple(train.joint_friction for train in self.drivetrains)
+        object.__setattr__(self, "friction", friction)
         derived = {
             "_index_q": np.array([joint.idx_q for joint in joints]),
             "_index_v": np.array([joint.idx_v for joint in joints]),
             "is_continuous": np.array([joint.nq == 2 for joint in joints]),
             "is_prismatic": np.array([joint.shortname().startswith("JointModelP") for joint in joints]),
-            "armature": read_only(np.nan_to_num([actuator.armature for actuator in self.actuators])),
-            "viscous_friction": read_only(np.nan_to_num(viscous)),
-            "coulomb_friction": read_only(np.nan_to_num(coulomb)),
+            "transmission": np.array([train.transmission for train in self.drivetrains]),
+            "armature": np.nan_to_num([train.reflected_inertia for train in self.drivetrains]),
+            "viscous_friction": np.nan_to_num([law.viscous for law in friction]),
+            "coulomb_friction": np.nan_to_num([law.coulomb for law in friction]),
         }
         for name, value in derived.items():
             value.setflags(write=False)
@@ -115,13 +125,13 @@ class Robot:
             _instance("payload", self.payload, Payload)
         if self.wrench is not None:
             _instance("wrench", self.wrench, Wrench)
-        for actuator in self.actuators:
-            _instance("actuators", actuator, Actuator)
+        for train in self.drivetrains:
+            _instance("drivetrains", train, Drivetrain)
         checked_choice("tool frame", self.tool, [frame.name for frame in self.bare_model.frames])
         for name in self.joint_names:
             checked_choice("joint", name, list(self.bare_model.names)[1:])
-        if len(self.actuators) != self.n_joints:
-            raise InputError(f"actuators: {len(self.actuators)} given for {self.n_joints} joints")
+        if len(self.drivetrains) != self.n_joints:
+            raise InputError(f"actuators: {len(self.drivetrains)} given for {self.n_joints} joints")
         if len(self.limits.velocity) != self.n_joints:
             raise InputError(f"limits: given for {len(self.limits.velocity)} joints, the arm has {self.n_joints}")
 
@@ -141,6 +151,16 @@ class Robot:
     def n_joints(self) -> int:
         """Number of moving joints."""
         return len(self.joint_names)
+
+    @property
+    def has_losses(self) -> bool:
+        """Whether the gears lose a part of the load that they carry, in one direction or the other."""
+        return bool((self.transmission != 1).any())
+
+    @property
+    def actuators(self) -> tuple[Actuator, ...]:
+        """The drivetrains in their short form."""
+        return tuple(Actuator.of(train) for train in self.drivetrains)
 
     @property
     def fixed_joint_names(self) -> tuple[str, ...]:
@@ -200,9 +220,25 @@ class Robot:
         """The same arm with another frame as its tool."""
         return replace(self, tool=tool)
 
-    def with_actuators(self, actuators: tuple[Actuator, ...]) -> Robot:
-        """The same arm with other drives, one per joint."""
-        return replace(self, actuators=tuple(actuators))
+    def with_actuators(self, actuators: Iterable[Actuator]) -> Robot:
+        """The same arm with other drives in their short form, one per joint.
+
+        Returns
+        -------
+        Robot
+        """
+        return self.with_drivetrains(_instance("actuators", one, Actuator).drivetrain for one in actuators)
+
+    def with_drivetrains(self, drivetrains: Iterable[Drivetrain]) -> Robot:
+        """The same arm with other drivetrains, one per joint.
+
+        Their rotors, friction and gear losses are in its torques.
+
+        Returns
+        -------
+        Robot
+        """
+        return replace(self, drivetrains=tuple(drivetrains))
 
     def with_limits(
         self, limits: Limits | None = None, *, position: ArrayLike | None = None, **magnitudes: ArrayLike | None

@@ -1,4 +1,4 @@
-"""The small values that a robot is made of: actuators, limits, payload, wrench."""
+"""The small values that a robot is made of: limits, payload, wrench."""
 
 from __future__ import annotations
 
@@ -11,62 +11,7 @@ from puma_septic.errors import InputError
 from puma_septic.quantities import MAGNITUDES, QUANTITIES
 from puma_septic.validation import Array, checked_array, checked_choice, checked_number
 
-__all__ = ["Actuator", "Limits", "Payload", "Wrench"]
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class Actuator:
-    """One joint's drive train, in motor-side values; NaN means unknown.
-
-    Rotor inertia at the joint is ``rotor_inertia * gear_ratio**2``; joint-side friction torque is
-    ``viscous_friction * gear_ratio**2 * v + abs(gear_ratio) * coulomb_friction[0 if v > 0 else 1]``, zero at
-    rest, with the sign decided by the joint's velocity (Corke, Robotics Toolbox, ``Link.friction``).
-
-    Parameters
-    ----------
-    gear_ratio : float
-        Motor turns per joint turn, negative where the motor turns the other way; never 0; NaN where unknown.
-    rotor_inertia : float
-        kg m^2, motor side; NaN where unknown.
-    viscous_friction : float
-        N m s/rad, motor side; NaN where unknown.
-    coulomb_friction : array_like, shape (2,)
-        N m, motor side, for positive (>= 0) and negative (<= 0) joint velocity; NaN where unknown.
-    source : str
-        Where the numbers come from.
-
-    Raises
-    ------
-    InputError
-        For a zero gear ratio, a negative inertia or friction of the wrong sign.
-    """
-
-    gear_ratio: float = np.nan
-    rotor_inertia: float = np.nan
-    viscous_friction: float = np.nan
-    coulomb_friction: Array = field(default_factory=lambda: np.full(2, np.nan))
-    source: str = ""
-
-    def __post_init__(self) -> None:
-        if not np.isnan(self.gear_ratio) and checked_number("gear_ratio", self.gear_ratio) == 0.0:
-            raise InputError("gear_ratio = 0: the ratio of motor speed to joint speed cannot be zero")
-        if not np.isnan(self.rotor_inertia):
-            checked_number("rotor_inertia", self.rotor_inertia, unit="kg m^2", at_least=0.0)
-        if not np.isnan(self.viscous_friction):
-            checked_number("viscous_friction", self.viscous_friction, unit="N m s/rad", at_least=0.0)
-        coulomb = checked_array("coulomb_friction", self.coulomb_friction, (2,), unit="N m", allow_nan=True)
-        if coulomb[0] < 0 or coulomb[1] > 0:
-            raise InputError(
-                f"coulomb_friction = [{coulomb[0]:g}, {coulomb[1]:g}] N m: the first (positive velocity)"
-                " must be >= 0 and the second (negative velocity) <= 0"
-            )
-        object.__setattr__(self, "coulomb_friction", coulomb)
-
-    @property
-    def armature(self) -> float:
-        """Rotor inertia at the joint, ``rotor_inertia * gear_ratio**2`` in kg m^2."""
-        return self.rotor_inertia * self.gear_ratio**2
+__all__ = ["Limits", "Payload", "Wrench"]
 
 
 @final

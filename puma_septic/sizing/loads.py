@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final, final
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from puma_septic.cycle import Cycle
 from puma_septic.drives import Drivetrain
+from puma_septic.friction import ROUNDING, resolved
 from puma_septic.piecewise import Piecewise
 from puma_septic.validation import Array
 
 __all__ = ["JointLoad", "MotorLoad", "joint_load", "motor_load"]
-
-# Of the arm's largest torque: the tolerance to which `Piecewise.fit` resolves one.
-_ROUNDING: Final = 1e-11
 
 
 @final
@@ -139,8 +137,8 @@ def joint_load(cycle: Cycle, j: int) -> JointLoad:
 
     Where the joint rests is the cycle's word, by its travel; what its velocity and acceleration have there is rounding.
     """
-    rounding = _ROUNDING * np.abs(cycle.load_torque.coefficients).sum(axis=0).max()
-    torque = _resolved(cycle.load_torque[j], rounding).split_at_roots()
+    rounding = ROUNDING * np.abs(cycle.load_torque.coefficients).sum(axis=0).max()
+    torque = resolved(cycle.load_torque[j], rounding).split_at_roots()
     interval = np.searchsorted(cycle.load_torque.breaks[1:-1], torque.middles)
     direction = cycle.velocity_sign[interval, j]
     velocity, acceleration = (
@@ -155,7 +153,7 @@ def joint_load(cycle: Cycle, j: int) -> JointLoad:
         velocity_sign=direction,
         power_sign=direction * torque.signs()[:, 0],
         braked=cycle.braked[interval],
-        gravity=_resolved(cycle.gravity_torque[j], rounding),
+        gravity=resolved(cycle.gravity_torque[j], rounding),
         inertia=cycle.inertia[j],
         unbounded=float(cycle.unbounded[j]),
         why_not_periodic=cycle.why_not_periodic,
@@ -179,8 +177,3 @@ def motor_load(load: JointLoad, train: Drivetrain) -> MotorLoad:
         parts=parts,
         unbounded=load.unbounded,
     )
-
-
-def _resolved(f: Piecewise, rounding: float) -> Piecewise:
-    """A function of one component, exactly 0 on the intervals on which it is rounding."""
-    return f.by_interval(np.abs(f.coefficients).sum(axis=(0, 2)) > rounding)

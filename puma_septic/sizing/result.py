@@ -10,8 +10,9 @@ import numpy as np
 
 from puma_septic.cycle import Cycle
 from puma_septic.document import SCHEMAS, plain
-from puma_septic.drives import Drivetrain, own_drivetrains
+from puma_septic.drives import Drivetrain
 from puma_septic.limit_check import LimitCheck, most_used_first
+from puma_septic.robot import own_drivetrains
 from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_cycle, checked_drivetrains
 from puma_septic.sizing._positions import position_remarks
 from puma_septic.sizing.checks import NotAssessed, Outcome, assess_joint

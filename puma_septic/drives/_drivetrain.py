@@ -7,9 +7,9 @@ from typing import final
 
 import numpy as np
 
-from puma_septic.drives._friction import Friction
-from puma_septic.drives.values import ABSOLUTE_ZERO_CELSIUS, Drive, Gearbox, Motor
+from puma_septic.drives._parts import ABSOLUTE_ZERO_CELSIUS, Drive, Gearbox, Motor
 from puma_septic.errors import InputError
+from puma_septic.friction import Friction
 from puma_septic.validation import Array, checked_number
 
 __all__ = ["Drivetrain"]
@@ -26,14 +26,15 @@ class Drivetrain:
 
     where tau is the torque that the gearbox's output carries (links, payload, wrench: no rotor, no friction) and the
     transmission is 1/efficiency where the motor drives (``tau v > 0``), the backward efficiency where the load drives,
-    and 1 at rest. It is affine in the inertia on each side of the sign of the power. What is not known is left out of
-    it and listed in `left_out`.
+    and 1 at rest; with measured friction 1 plus, 1 minus its load share, and 1. It is affine in the inertia on each
+    side of the sign of the power. What is not known is left out of it and listed in `left_out`: of ``Drivetrain()``
+    that is everything.
 
     Parameters
     ----------
-    motor : Motor
-    gearbox : Gearbox
-    drive : Drive
+    motor : Motor, optional
+    gearbox : Gearbox, optional
+    drive : Drive, optional
     measured_friction : Friction, optional
         Friction measured through the gears. It contains their losses and the motor's own, so it excludes the gearbox's
         efficiency and no-load torque and the motor's friction.
@@ -58,8 +59,8 @@ class Drivetrain:
     (3.0, [0.8, 1.0, 1.25])
     """
 
-    motor: Motor
-    gearbox: Gearbox
+    motor: Motor = field(default_factory=Motor)
+    gearbox: Gearbox = field(default_factory=Gearbox)
     drive: Drive = field(default_factory=Drive)
     measured_friction: Friction | None = None
     ambient_celsius: float = 40.0
@@ -108,10 +109,17 @@ class Drivetrain:
     @property
     def transmission(self) -> Array:
         """Factors of the load torque where the load drives, at rest, and where the motor drives, shape (3,)."""
-        if self.measured_friction is not None or np.isnan(self.gearbox.efficiency):
+        if self.measured_friction is not None:
+            return self.measured_friction.transmission
+        if np.isnan(self.gearbox.efficiency):
             return np.ones(3)
         backward = self.gearbox.backward_efficiency
         return np.array([self.gearbox.efficiency if np.isnan(backward) else backward, 1.0, 1 / self.gearbox.efficiency])
+
+    @property
+    def joint_friction(self) -> Friction:
+        """`friction` at the joint."""
+        return self.friction.reflected(self.ratio)
 
     @property
     def friction(self) -> Friction:

@@ -1,4 +1,4 @@
-"""Drivetrains of a robot: its own, from its actuators and limits, and what a file adds to them."""
+"""Drivetrains of a robot: its own, with its limits, and what a file adds to them."""
 
 from __future__ import annotations
 
@@ -8,11 +8,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from puma_septic.drives._friction import Friction
-from puma_septic.drives.drivetrain import Drivetrain
-from puma_septic.drives.values import Drive, Gearbox, Motor
+from puma_septic.drives import Drive, Drivetrain, Gearbox, Motor
 from puma_septic.errors import InputError, ModelError
-from puma_septic.robot import Robot
+from puma_septic.robot.model import Robot
 from puma_septic.robot.toml_text import read_toml, table
 
 __all__ = ["load_drivetrains", "own_drivetrains"]
@@ -27,11 +25,14 @@ _FROM_ROBOT: Final[dict[str, tuple[str, ...]]] = {
 
 
 def own_drivetrains(robot: Robot) -> tuple[Drivetrain, ...]:
-    """The drives that the robot has, as far as its actuators and limits tell.
+    """The drivetrains that the robot carries, with what its limits tell of them.
 
-    Gear ratio, rotor inertia and friction are the actuator's, the friction taken as measured through the gears; the
-    effort limit is that of the whole actuator at the joint, and the velocity limit times the ratio the motor's speed
-    limit. All else is unknown.
+    Where their own is not known, the effort limit is that of the whole actuator at the joint, and the velocity limit
+    times the ratio the motor's speed limit. All else is as the robot has it.
+
+    Returns
+    -------
+    tuple of Drivetrain
 
     Raises
     ------
@@ -44,29 +45,29 @@ def own_drivetrains(robot: Robot) -> tuple[Drivetrain, ...]:
     >>> own_drivetrains(ps.load_robot())[1].max_effort
     97.0
     """
-    trains = []
-    for name, actuator, effort, velocity in zip(
-        robot.joint_names, robot.actuators, robot.limits.effort, robot.limits.velocity, strict=True
-    ):
-        if np.isnan(actuator.gear_ratio):
-            raise InputError(
-                f"joint {name!r}: its gear ratio is not known, so nothing can be said of its motor; give the robot an"
-                " actuator file, or drivetrains"
-            )
-        trains.append(
-            Drivetrain(
-                motor=Motor(
-                    name=f"{robot.name} {name}",
-                    rotor_inertia=actuator.rotor_inertia,
-                    max_speed=float(velocity) * abs(actuator.gear_ratio),
-                    source=actuator.source,
-                ),
-                gearbox=Gearbox(ratio=actuator.gear_ratio, name=f"{robot.name} {name}", source=actuator.source),
-                measured_friction=Friction(viscous=actuator.viscous_friction, coulomb=actuator.coulomb_friction),
-                max_effort=float(effort),
-            )
+    return tuple(_limited(robot, j, train) for j, train in enumerate(robot.drivetrains))
+
+
+def _limited(robot: Robot, j: int, train: Drivetrain) -> Drivetrain:
+    """A drivetrain with the joint's limits, and a name, where it has none of its own."""
+    joint = robot.joint_names[j]
+    if np.isnan(train.ratio):
+        raise InputError(
+            f"joint {joint!r}: its gear ratio is not known, so nothing can be said of its motor; give the robot an"
+            " actuator file, or drivetrains"
         )
-    return tuple(trains)
+    motor, gearbox, name = train.motor, train.gearbox, f"{robot.name} {joint}"
+    fastest = float(robot.limits.velocity[j]) * train.ratio
+    return replace(
+        train,
+        motor=replace(motor, name=motor.name or name, max_speed=_first_known(motor.max_speed, fastest)),
+        gearbox=replace(gearbox, name=gearbox.name or name),
+        max_effort=_first_known(train.max_effort, float(robot.limits.effort[j])),
+    )
+
+
+def _first_known(value: float, other: float) -> float:
+    return other if np.isnan(value) else value
 
 
 def load_drivetrains(robot: Robot, path: str | Path | None = None) -> tuple[Drivetrain, ...]:

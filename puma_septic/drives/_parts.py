@@ -193,7 +193,8 @@ class Gearbox:
     ----------
     ratio : float
         Motor turns per joint turn (rad/m for a sliding joint), negative where the motor turns the other way; 1 for a
-        direct drive. Motor quantities are counted in the joint's direction, so only its magnitude enters them.
+        direct drive; NaN: unknown. Motor quantities are counted in the joint's direction, so only its magnitude enters
+        them.
     name : str
     efficiency : float
         Output power over input power where the motor drives, above 0 and up to 1.
@@ -217,7 +218,7 @@ class Gearbox:
         Where the numbers come from.
     """
 
-    ratio: float
+    ratio: float = np.nan
     name: str = ""
     efficiency: float = np.nan
     backward_efficiency: float = np.nan
@@ -237,7 +238,8 @@ class Gearbox:
 
     def __post_init__(self) -> None:
         _check_texts(self)
-        if checked_number("gear ratio", self.ratio) == 0:
+        _check(self, {"ratio": ""}, {})
+        if self.ratio == 0:
             raise InputError("gear ratio = 0: the ratio of motor speed to joint speed cannot be zero")
         positive = {
             "rated_torque": "N m", "rated_speed": "rad/s", "rated_life_hours": "h", "max_average_torque": "N m",

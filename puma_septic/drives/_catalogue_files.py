@@ -10,12 +10,12 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from puma_septic.drives._friction import Friction
-from puma_septic.drives.catalogue import Catalogue, Pair
-from puma_septic.drives.columns import GEARBOX, MOTOR, PAIR, Column, parsed_header
-from puma_septic.drives.values import Drive, Gearbox, Motor
-from puma_septic.errors import InputError, ModelError
-from puma_septic.robot.urdf_text import read_utf8
+from puma_septic.drives._catalogue import Catalogue, Pair
+from puma_septic.drives._columns import GEARBOX, MOTOR, PAIR, Column, parsed_header
+from puma_septic.drives._parts import Drive, Gearbox, Motor
+from puma_septic.errors import InputError
+from puma_septic.files import decoded, read_bytes
+from puma_septic.friction import Friction
 from puma_septic.validation import checked_choice
 
 __all__ = ["BUILT_IN", "built_in_catalogue", "load_catalogue"]
@@ -213,10 +213,7 @@ def _pairs(path: Path, motors: dict[str, Any], gearboxes: dict[str, Any]) -> tup
 
 def _rows(path: Path, columns: dict[str, Column]) -> Iterator[_Row]:
     """The rows below the header, remarks and empty lines left out."""
-    try:
-        text = read_utf8(path, "catalogue", _MAX_BYTES)
-    except ModelError as error:
-        raise InputError(str(error)) from error
+    text = decoded(read_bytes(path, what="catalogue", at_most=_MAX_BYTES), path)
     reader = csv.reader(io.StringIO(text, newline=""))
     try:
         lines = [(reader.line_num, cells) for cells in reader if _is_content(cells)]

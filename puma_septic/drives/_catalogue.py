@@ -9,10 +9,10 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.drives._friction import Friction
-from puma_septic.drives.drivetrain import Drivetrain
-from puma_septic.drives.values import Drive, Gearbox, Motor
+from puma_septic.drives._drivetrain import Drivetrain
+from puma_septic.drives._parts import Drive, Gearbox, Motor
 from puma_septic.errors import InputError
+from puma_septic.friction import Friction
 from puma_septic.validation import Array, checked_array
 
 __all__ = ["Catalogue", "Pair"]
@@ -150,6 +150,8 @@ def _places(kind: str, parts: Sequence[Motor | Gearbox]) -> dict[str, int]:
     for k, part in enumerate(parts):
         if not part.name:
             raise InputError(f"{kind} {k + 1} of the catalogue has no name")
+        if isinstance(part, Gearbox) and np.isnan(part.ratio):
+            raise InputError(f"gearbox {part.name!r}: its ratio is not known, and nothing can be said without it")
         if part.name in places:
             raise InputError(f"{kind} {part.name!r} occurs twice in the catalogue")
         places[part.name] = k

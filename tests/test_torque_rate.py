@@ -9,7 +9,7 @@ import pytest
 from urdf_texts import ARM, DRIVES, load
 
 import puma_septic as ps
-from puma_septic.dynamics import coulomb_torque, mass_matrix
+from puma_septic.dynamics import mass_matrix
 from puma_septic.task import make_task
 from puma_septic.viewer.flags import flags_of
 
@@ -39,7 +39,8 @@ def test_against_differences_of_the_torque(puma: ps.Robot) -> None:
 
     def smooth(instants: np.ndarray) -> np.ndarray:
         q, v, a = (motion.trajectory(instants, order) for order in range(3))
-        return ps.inverse_dynamics(puma, q, v, a) - coulomb_torque(puma, np.sign(v))
+        terms = ps.torque_terms(puma, q, v, a)
+        return terms.total - terms.coulomb
 
     slopes = (smooth(t + h) - smooth(t - h)) / (2 * h)[:, None]
     # The difference leaves h^2 and the torque's roundings over h: some 1e-8 of the largest slope.

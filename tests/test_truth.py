@@ -8,7 +8,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
-from puma_septic.checks import Array
 from random_moves import FAMILIES, make, random_move, random_points
 from truth import truth
 

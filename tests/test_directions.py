@@ -199,7 +199,7 @@ def test_a_dwell_counts_with_its_holding_torque(puma: ps.Robot) -> None:
     assert resting.peak_torque_time[1] == 6.0
     assert (resting.rms_torque <= resting.peak_torque).all()
     limited = puma.with_limits(effort=[56, abs(held[1]) * 0.98, 52, 10, 10, 10])
-    assert [str(check)[:13] for check in ps.assess(limited, move, dwell=60.0).violations] == ["joint2 effort"]
+    assert [str(check)[:13] for check in ps.assess(limited, move, dwell=60.0).violations] == ["joint2 torque"]
     # Friction may carry its band: 13.6 N m upwards, 7.65 N m downwards at joint 2.
     positive, negative = puma.coulomb_friction[1]
     expected = held[1] - np.clip(held[1], -positive, -negative)

@@ -14,24 +14,17 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
 import puma_septic as ps
+from puma_septic.paper import PAPER
 
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
-from sampled import quadrature, refined_peak, torque_with_friction
+from helpers.sampled import quadrature, refined_peak, torque_with_friction
 
 Array = NDArray[np.float64]
 # Peaks and root mean squares, each of shape (4, n_joints): velocity, acceleration, jerk, torque.
 Metrics = tuple[Array, Array]
 
 # Table 1 and times of Raji, Asaolu, Akano, rad and s; joint 4 does not move.
-POINTS = np.array(
-    [
-        [2.57, -0.7873, -1.2022, -3.1416, -1.9895, 0.5716],
-        [2.57, -0.1026, -0.5, -3.1416, -0.6026, 0.5716],
-        [-0.5716, -0.1026, -0.5, -3.1416, -0.6026, -2.57],
-        [-0.5716, -0.7873, -1.2022, -3.1416, -1.9895, -2.57],
-    ]
-)
-TIMES = np.array([0.0, 2.0, 6.0, 9.0])
+POINTS, TIMES = PAPER.table_1, PAPER.times
 MOVING = [0, 1, 2, 4, 5]
 DT = 1e-3  # 9,001 samples
 BLEND_TIME = 1.0

@@ -12,19 +12,12 @@ from numpy.typing import NDArray
 from scipy.interpolate import BPoly, BSpline, PPoly, make_interp_spline
 
 import puma_septic as ps
+from puma_septic.paper import PAPER
 
 Array = NDArray[np.float64]
 
 # Table 1 and times of Raji, Asaolu, Akano, rad and s; joint 4 does not move.
-POINTS = np.array(
-    [
-        [2.57, -0.7873, -1.2022, -3.1416, -1.9895, 0.5716],
-        [2.57, -0.1026, -0.5, -3.1416, -0.6026, 0.5716],
-        [-0.5716, -0.1026, -0.5, -3.1416, -0.6026, -2.57],
-        [-0.5716, -0.7873, -1.2022, -3.1416, -1.9895, -2.57],
-    ]
-)
-TIMES = np.array([0.0, 2.0, 6.0, 9.0])
+POINTS, TIMES = PAPER.table_1, PAPER.times
 BLEND_TIME = 1.0
 DT = 9e-3  # mstraj rounds durations and blends up or down to it and comes out at 995 steps
 CASES, CASE_TIMES = 10_000, 200

@@ -11,19 +11,14 @@ import numpy as np
 
 import puma_septic as ps
 from puma_septic.limit_check import LimitCheck
+from puma_septic.paper import PAPER
 from puma_septic.sizing.checks import assess_joint
 
 MOTORS, GEARBOXES, KEEP = 500, 200, 3
 # Pairs per joint that are assessed in full for comparison.
 SAMPLE = 25
-# Rad and s: table 1 and the times of Raji, Asaolu, Akano.
-POINTS = [
-    [2.57, -0.7873, -1.2022, -3.1416, -1.9895, 0.5716],
-    [2.57, -0.1026, -0.5, -3.1416, -0.6026, 0.5716],
-    [-0.5716, -0.1026, -0.5, -3.1416, -0.6026, -2.57],
-    [-0.5716, -0.7873, -1.2022, -3.1416, -1.9895, -2.57],
-]
-TIMES = [0.0, 2.0, 6.0, 9.0]
+# Table 1 and times of Raji, Asaolu, Akano, rad and s.
+POINTS, TIMES = PAPER.table_1, PAPER.times
 
 
 def run() -> list[tuple[str, ...]]:

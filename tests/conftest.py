@@ -14,9 +14,11 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 import pytest
+from helpers.places import REFERENCE
 from hypothesis import settings
 
 import puma_septic as ps
+from puma_septic.task import ResolvedTask, assess_task, load_task, resolve_task
 
 # A run finds the same examples every time, on any machine, however slow; to look for new ones:
 # python -m pytest --hypothesis-profile explore
@@ -36,6 +38,19 @@ def puma() -> ps.Robot:
     return ps.load_robot()
 
 
+@pytest.fixture(scope="session")
+def paper_task() -> tuple[ResolvedTask, tuple[ps.Assessment, ...]]:
+    """The built-in task "paper", and its 9 s move with each of its three profiles."""
+    resolved = resolve_task(load_task("paper"))
+    return resolved, assess_task(resolved)
+
+
+@pytest.fixture(scope="session")
+def paper(paper_task: tuple[ResolvedTask, tuple[ps.Assessment, ...]]) -> tuple[ps.Assessment, ...]:
+    """The paper's 9 s move with each of its three profiles."""
+    return paper_task[1]
+
+
 @pytest.fixture
 def rng() -> np.random.Generator:
     """The same random numbers in each test."""
@@ -45,7 +60,7 @@ def rng() -> np.random.Generator:
 @pytest.fixture(scope="session")
 def reference() -> Path:
     """The folder of numbers taken from elsewhere, each with its source."""
-    return Path(__file__).parent / "reference"
+    return REFERENCE
 
 
 # ---- a real browser, for the tests that are marked so

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
-from arms import DRIVE, branched_arm, joint, link, load, pendulum
+from helpers.arms import DRIVE, branched_arm, joint, link, load, pendulum
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

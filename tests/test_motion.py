@@ -2,55 +2,23 @@
 
 from __future__ import annotations
 
-from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
-from arms import branched_arm, pendulum
+from helpers.arms import branched_arm, panda, pendulum, ur5
+from helpers.moves import POINTS, PROFILES, TIMES, paper_move, parabolic_blends, random_move
+from helpers.sampled import quadrature, refined_peak, reversals, torque_with_friction
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from sampled import quadrature, refined_peak, reversals, torque_with_friction
 
 import puma_septic as ps
 from puma_septic.dynamics import TERMS
 from puma_septic.validation import Array
 
-# Table 1 and times of Raji, Asaolu, Akano, rad and s.
-POINTS = np.array(
-    [
-        [2.57, -0.7873, -1.2022, -3.1416, -1.9895, 0.5716],
-        [2.57, -0.1026, -0.5, -3.1416, -0.6026, 0.5716],
-        [-0.5716, -0.1026, -0.5, -3.1416, -0.6026, -2.57],
-        [-0.5716, -0.7873, -1.2022, -3.1416, -1.9895, -2.57],
-    ]
-)
-TIMES = np.array([0.0, 2.0, 6.0, 9.0])
 # What a motion promises: the fit stops at 1e-11 of each joint's largest torque, the rest is room.
 EXACT = 1e-9
-PROFILES = ("septic", "lspb", "quintic_segments")
-ROBOTS = Path(__import__("cmeel").__file__).parents[1] / "cmeel.prefix/share/example-robot-data/robots"
-
-
-@cache
-def paper(profile: str) -> ps.Trajectory:
-    if profile == "septic":
-        return ps.septic(POINTS, TIMES)
-    if profile == "lspb":
-        return ps.lspb(POINTS, durations=np.diff(TIMES), blend_time=1.0)
-    return ps.quintic_segments(POINTS, TIMES)
-
-
-@cache
-def ur5() -> ps.Robot:
-    return ps.load_robot(ROBOTS / "ur_description/urdf/ur5_robot.urdf")
-
-
-@cache
-def panda() -> ps.Robot:
-    fingers = {"panda_finger_joint1": 0.02, "panda_finger_joint2": 0.02}
-    return ps.load_robot(ROBOTS / "panda_description/urdf/panda.urdf", locked=fingers)
 
 
 def rms_torque(motion: ps.Motion) -> Array:
@@ -76,23 +44,10 @@ def assert_exact(motion: ps.Motion, *, count: int, panels: int) -> None:
 
 @pytest.mark.parametrize(("profile", "evaluations"), [("septic", 200), ("lspb", 800), ("quintic_segments", 800)])
 def test_peak_and_rms_torque_of_the_paper_s_move_are_exact(puma: ps.Robot, profile: str, evaluations: int) -> None:
-    motion = ps.compute_motion(puma, paper(profile))
+    motion = ps.compute_motion(puma, paper_move(profile))
     assert motion.n_evaluations <= evaluations
     # A million samples of the septic's whole; as dense on the others, which have more intervals.
     assert_exact(motion, count=200_000 if profile == "septic" else 20_000, panels=200)
-
-
-def random_move(rng: np.random.Generator, n_joints: int) -> ps.Trajectory:
-    points = rng.uniform(-1.5, 1.5, (4, n_joints))
-    times = np.concatenate([[0.0], np.cumsum(rng.uniform(0.5, 3, 3))])
-    kind = rng.integers(3)
-    if kind == 0:
-        return ps.septic(points, times)
-    if kind == 1:
-        return ps.lspb(points, durations=np.diff(times), blend_time=float(rng.uniform(0.1, 0.5)))
-    velocities = rng.uniform(-1, 1, points.shape)
-    velocities[[0, -1]] = 0.0
-    return ps.quintic_segments(points, times, velocities=velocities)
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -119,7 +74,7 @@ def test_the_torque_is_the_inverse_dynamics_at_every_instant(puma: ps.Robot) -> 
         ps.Wrench(force=[5, 0, -3], torque=[0, 1, 0], axes="tool")
     )
     for profile in ("septic", "lspb", "quintic_segments"):
-        trajectory = paper(profile)
+        trajectory = paper_move(profile)
         motion = ps.compute_motion(loaded, trajectory)
         t = np.random.default_rng(1).uniform(*trajectory.breaks[[0, -1]], 3000)
         expected = ps.inverse_dynamics(loaded, *(trajectory(t, order) for order in range(3)))
@@ -134,16 +89,16 @@ def test_double_zeros_of_the_velocity_at_both_ends_are_no_reversals(puma: ps.Rob
 
     Position, velocity and acceleration are given at both ends, so the velocity has a double zero there.
     """
-    motion = ps.compute_motion(puma, paper("septic"))
+    motion = ps.compute_motion(puma, paper_move("septic"))
     # Joints 1 and 6 reverse once near each end of the turn, 2, 3 and 5 once at the middle.
     inner = motion.torque.breaks[1:-1]
-    found = reversals(lambda t: paper("septic")(t, 1)[:, [0, 1, 2, 4, 5]], TIMES[[0, -1]])
+    found = reversals(lambda t: paper_move("septic")(t, 1)[:, [0, 1, 2, 4, 5]], TIMES[[0, -1]])
     np.testing.assert_allclose(inner, found, rtol=0, atol=1e-9)
     assert inner.min() > 1.0
     assert inner.max() < 8.0
     # Just inside both ends every moving joint has the friction of its direction.
     for t, later in ((1e-6, 0.05), (9 - 1e-6, 9 - 0.05)):
-        sign = np.sign(paper("septic")(later, 1))
+        sign = np.sign(paper_move("septic")(later, 1))
         np.testing.assert_array_equal(
             motion.torque_terms.coulomb(t), np.where(sign > 0, *puma.coulomb_friction.T) * (sign != 0)
         )
@@ -172,7 +127,7 @@ def test_a_joint_whose_points_agree_to_rounding_is_still(puma: ps.Robot, profile
 
 def test_a_joint_that_rests_between_two_moves_is_still_there_only(puma: ps.Robot) -> None:
     """On the paper's quintic segments joints 2, 3 and 5 wait from 2 to 6 s, joints 1 and 6 before and after."""
-    motion = ps.compute_motion(puma, paper("quintic_segments"))
+    motion = ps.compute_motion(puma, paper_move("quintic_segments"))
     np.testing.assert_array_equal(motion.torque.breaks, TIMES)
     waits = np.zeros((3, 6), dtype=bool)
     waits[[0, 2], 0] = waits[[0, 2], 5] = waits[1, [1, 2, 4]] = waits[:, 3] = True
@@ -185,11 +140,11 @@ def test_a_joint_that_rests_between_two_moves_is_still_there_only(puma: ps.Robot
 
 def test_friction_has_the_sign_of_mid_interval_beside_every_reversal(puma: ps.Robot) -> None:
     """Where a reversal falls between two times, the sign was once taken at the split itself, where it is rounding."""
-    motion = ps.compute_motion(puma, paper("septic"))
+    motion = ps.compute_motion(puma, paper_move("septic"))
     coulomb = motion.torque_terms.coulomb
     for t in motion.torque.breaks[1:-1]:
         for side in (t - 1e-9, t + 1e-9):
-            speed = paper("septic")(side, 1)
+            speed = paper_move("septic")(side, 1)
             speed[3] = 0.0
             expected = ps.torque_terms(puma, POINTS[0], speed, np.zeros(6)).coulomb
             np.testing.assert_allclose(coulomb(side), expected, rtol=1e-15)
@@ -212,7 +167,7 @@ def test_a_peak_may_stand_on_one_side_of_a_reversal(tmp_path: Path) -> None:
 def test_a_tiny_torque_is_as_exact_as_a_large_one(puma: ps.Robot) -> None:
     """The fit once stopped when its tail was small beside joint 2's 60 N m; joint 6's 1e-5 N m was then noise."""
     bare = [ps.Actuator()] * 6
-    motion = ps.compute_motion(puma.with_actuators(bare), paper("septic"))
+    motion = ps.compute_motion(puma.with_actuators(bare), paper_move("septic"))
     torque, breaks = torque_with_friction(motion.robot, motion.trajectory)
     peak = refined_peak(torque, breaks, 20_000)
     assert peak.min() < 1e-4 * peak.max()
@@ -220,18 +175,6 @@ def test_a_tiny_torque_is_as_exact_as_a_large_one(puma: ps.Robot) -> None:
 
 
 # ---- steps
-
-
-def parabolic_blends(times: Array, points: Array, tb: float) -> ps.Trajectory:
-    """Straight line with parabolic blends from rest to rest: the acceleration steps four times."""
-    h, end = points[1] - points[0], times[1]
-    speed = h / (end - tb)
-    s = np.zeros((3, 3, len(h)))
-    s[0] = [points[0], points[0] + speed * tb / 2, points[1] - speed * tb / 2]
-    s[1] = [0 * h, speed * (end - 2 * tb), speed * tb]
-    s[2] = [speed * tb / 2, 0 * h, -speed * tb / 2]
-    position = ps.Piecewise.from_power([0.0, tb, end - tb, end], s)
-    return ps.Trajectory(position=position, points=points, times=times)
 
 
 def test_a_step_in_acceleration_makes_the_torque_step_and_the_jerk_infinite(tmp_path: Path) -> None:
@@ -281,7 +224,7 @@ def test_stretching_time_divides_the_dynamic_torque_by_its_square(stretch: float
     """``tau(k) = g + (tau - g) / k^2`` without friction (Hollerbach 1984), and viscous friction falls as 1/k."""
     robot = ps.load_robot()
     slow = ps.compute_motion(robot, ps.septic(POINTS, TIMES * stretch)).torque_terms
-    fast = ps.compute_motion(robot, paper("septic")).torque_terms
+    fast = ps.compute_motion(robot, paper_move("septic")).torque_terms
     t = np.linspace(0, 9, 40)
     for name, power in {"gravity": 0, "coulomb": 0, "viscous": 1, "inertia": 2, "coriolis": 2, "rotor": 2}.items():
         before, after = getattr(fast, name)(t[1:-1]), getattr(slow, name)(stretch * t[1:-1])
@@ -290,7 +233,7 @@ def test_stretching_time_divides_the_dynamic_torque_by_its_square(stretch: float
 
 def test_the_split_sums_to_the_torque_on_the_whole_span(puma: ps.Robot) -> None:
     robot = puma.with_payload(ps.Payload(mass=1.0)).with_wrench(ps.Wrench(force=[1, 2, 3], torque=[0, 0, 1]))
-    motion = ps.compute_motion(robot, paper("lspb"))
+    motion = ps.compute_motion(robot, paper_move("lspb"))
     terms = motion.torque_terms
     t = np.linspace(0, 9, 500)
     np.testing.assert_allclose(sum(getattr(terms, name)(t) for name in TERMS), motion.torque(t), rtol=0, atol=1e-8)
@@ -298,14 +241,14 @@ def test_the_split_sums_to_the_torque_on_the_whole_span(puma: ps.Robot) -> None:
 
 
 def test_power_is_torque_times_velocity(puma: ps.Robot) -> None:
-    motion = ps.compute_motion(puma, paper("lspb"))
+    motion = ps.compute_motion(puma, paper_move("lspb"))
     t = np.linspace(0, 9, 501)
-    np.testing.assert_allclose(motion.power(t), motion.torque(t) * paper("lspb")(t, 1), rtol=0, atol=1e-11)
+    np.testing.assert_allclose(motion.power(t), motion.torque(t) * paper_move("lspb")(t, 1), rtol=0, atol=1e-11)
 
 
 def test_a_payload_changes_its_own_term_and_no_other(puma: ps.Robot) -> None:
     empty, loaded = (
-        ps.compute_motion(robot, paper("septic")).torque_terms
+        ps.compute_motion(robot, paper_move("septic")).torque_terms
         for robot in (puma, puma.with_payload(ps.Payload(mass=2.5, com=[0, 0, 0.1])))
     )
     t = np.linspace(0, 9, 50)
@@ -315,7 +258,7 @@ def test_a_payload_changes_its_own_term_and_no_other(puma: ps.Robot) -> None:
 
 
 def test_the_same_motion_twice_is_the_same_to_the_last_bit(puma: ps.Robot) -> None:
-    one, two = (ps.compute_motion(puma, paper("lspb")) for _ in range(2))
+    one, two = (ps.compute_motion(puma, paper_move("lspb")) for _ in range(2))
     np.testing.assert_array_equal(one.torque.coefficients, two.torque.coefficients)
 
 

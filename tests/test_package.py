@@ -9,11 +9,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from helpers.places import ROOT
 
 import puma_septic as ps
 
 _INIT = Path(ps.__file__)
-_ROOT = Path(__file__).parents[1]
 
 
 def _in_a_fresh_interpreter(code: str) -> object:
@@ -66,7 +66,7 @@ def test_an_unknown_name_is_an_attribute_error() -> None:
 
 
 def test_the_cited_version_is_this_one() -> None:
-    assert f"\nversion: {ps.__version__}\n" in (_ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"\nversion: {ps.__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
 
 
 def test_package_says_that_it_is_typed() -> None:

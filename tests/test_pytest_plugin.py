@@ -9,7 +9,8 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
-from ros_messages import small_move
+from helpers.places import ROOT
+from helpers.ros_messages import small_move
 
 import puma_septic as ps
 from puma_septic.testing import assert_trajectory_ok
@@ -29,7 +30,7 @@ def test_motion(assert_feasible):
 
 
 def test_the_entry_point_is_the_plug_in() -> None:
-    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     plugin = import_module(project["entry-points"]["pytest11"]["puma_septic"])
     assert set(plugin.__all__) == {"assert_feasible", "assert_trajectory_ok"}
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from urdf_texts import ARM, DRIVES, load
+from helpers.urdf_texts import ARM, DRIVES, load
 
 import puma_septic as ps
 

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from helpers.random_moves import FAMILIES, make, random_move, random_points
+from helpers.truth import truth
 from numpy.polynomial import chebyshev
-from random_moves import FAMILIES, make, random_move, random_points
-from truth import truth
 
 import puma_septic as ps
 from puma_septic.piecewise import Piecewise

@@ -10,15 +10,14 @@ import csv
 import io
 import json
 import re
-from pathlib import Path
 from typing import Any
 
 import pytest
-from cases import CASES, ROBOTS
+from helpers.golden_cases import CASES
+from helpers.places import GOLDEN, ROBOTS
 
 import puma_septic as ps
 
-_FILES = Path(__file__).parent / "files"
 # Two builds of the linear algebra differ by some thousand roundings; below the floor is what rounding makes of zero.
 _RELATIVE, _FLOOR = 1e-9, 1e-12
 # A peak is flat: its instant is known to the square root of a rounding, 1.5e-8, of the motion's scale of time.
@@ -34,7 +33,7 @@ _QUICK = ("joints.txt", "joints.json", "joints.csv", "joints.html", "joints.robo
 ])  # fmt: skip
 def test_what_is_written(name: str, request: pytest.FixtureRequest) -> None:
     written = _portable(CASES[name]())
-    path = _FILES / name
+    path = GOLDEN / name
     if request.config.getoption("--update-golden"):
         if not path.exists() or not _is_same(name, written, path.read_text(encoding="utf-8")):
             path.write_text(_kept(name, written), encoding="utf-8")
@@ -44,7 +43,7 @@ def test_what_is_written(name: str, request: pytest.FixtureRequest) -> None:
 
 
 def test_each_file_is_of_a_case() -> None:
-    assert {path.name for path in _FILES.iterdir()} == set(CASES)
+    assert {path.name for path in GOLDEN.iterdir()} == set(CASES)
 
 
 def _portable(text: str) -> str:

@@ -1,0 +1,165 @@
+"""``puma-septic assess --csv``: motions that were logged or planned elsewhere."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.urdf_texts import ARM
+from numpy.typing import NDArray
+
+import puma_septic as ps
+from puma_septic.cli import main
+
+JOINTS = [f"joint{k}" for k in range(1, 7)]
+START = [0.0, 0.5, -2.5, 0.0, 0.7, 0.0]
+END = [0.3, 0.7, -2.4, -0.1, 0.9, 0.3]
+MOVE = ps.profiles.classic_septic([START, END], [0.0, 2.0])
+
+
+def rows(n: int = 41, noise: float = 0.0) -> NDArray[np.float64]:
+    """Samples of a septic from rest to rest."""
+    t = np.linspace(0.0, 2.0, n)
+    q = MOVE(t) + noise * np.random.default_rng(0).standard_normal((n, 6))
+    return np.column_stack([t, q])
+
+
+def written(path: Path, table: Sequence[Sequence[object]], header: Sequence[str] = ("t", *JOINTS)) -> str:
+    lines = [",".join(header), *(",".join(map(str, row)) for row in table)]
+    path.write_text("\n".join(lines) + "\n")
+    return str(path)
+
+
+def test_a_log_is_assessed_as_the_motion_that_it_samples(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = written(tmp_path / "log.csv", rows().tolist())
+    assert main(["assess", "--csv", path, "--dwell", "1", "--format", "json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["schema"] == "puma-septic/assess-log/1"
+    assert document["rows"] == 41
+    assert max(document["residual"]["max"]) < 1e-13  # interpolated
+    expected = ps.assess(ps.load_robot(), MOVE, dwell=1.0)
+    for j, joint in enumerate(document["assessment"]["joints"]):
+        # A quintic spline through samples 0.05 s apart: its error goes with the sixth power of the step.
+        assert joint["rms_torque"] == pytest.approx(expected.rms_torque[j], rel=1e-5)
+        assert joint["peak_velocity"] == pytest.approx(expected.peak_velocity[j], rel=1e-5)
+
+
+def test_the_text_tells_file_rows_and_residual(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = written(tmp_path / "log.csv", rows(101, noise=1e-4).tolist())
+    assert main(["assess", "--csv", path, "--smoothing", "1.2e-4"]) == 0
+    words = " ".join(capsys.readouterr().out.split())
+    assert "101 rows from 0 s to 2 s, smoothed to 0.00012 rad RMS by a quintic spline" in words
+    assert "Largest residual: 0.0004" in words  # four standard deviations in 606 samples
+    assert "puma560, fit_trajectory, 2 s: feasible" in words
+
+
+def test_columns_may_come_in_any_order(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    order = [0, 3, 2, 1, 6, 5, 4]
+    header = [("t", *JOINTS)[k] for k in order]
+    straight = written(tmp_path / "log.csv", rows().tolist())
+    mixed = written(tmp_path / "mixed.csv", rows()[:, order].tolist(), header)
+    texts = []
+    for path in (straight, mixed):
+        assert main(["assess", "--csv", path, "--format", "csv"]) == 0
+        texts.append(capsys.readouterr().out.replace(path, "FILE"))
+    assert texts[0] == texts[1]
+
+
+def test_any_robot_with_locked_joints_and_a_payload(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arm = tmp_path / "arm.urdf"
+    arm.write_text(ARM)
+    path = written(tmp_path / "log.csv", rows()[:, :2].tolist(), ["t", "shoulder"])
+    arguments = ["assess", "--csv", path, "--robot", str(arm), "--lock", "elbow=0.5", "--payload", "2"]
+    assert main([*arguments, "--format", "json"]) in (0, 1)
+    document = json.loads(capsys.readouterr().out)
+    assert document["joint_names"] == ["shoulder"]
+    robot = ps.load_robot(arm, locked={"elbow": 0.5}).with_payload(ps.Payload(mass=2.0))
+    times, points = rows()[:, 0], rows()[:, 1:2]
+    expected = ps.assess(robot, ps.fit_trajectory(times, points, joint_names=["shoulder"]))
+    assert document["assessment"] == expected.to_dict()
+
+
+def test_a_margin_that_is_not_kept_is_told_and_ends_with_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = written(tmp_path / "log.csv", rows().tolist())
+    assert main(["assess", "--csv", path, "--margin", "0.5"]) == 1
+    assert "not kept with 50 % to spare" in capsys.readouterr().out
+
+
+def test_the_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = written(tmp_path / "log.csv", rows(11).tolist())
+    out = tmp_path / "out"
+    assert main(["assess", "--csv", path, "--format", "json", "--out", str(out)]) == 0
+    assert json.loads((out / "assessment.json").read_text()) == json.loads(capsys.readouterr().out)
+    names = {file.name for file in out.iterdir()}
+    assert {"report.html", "metrics.csv", "samples.csv", "torque.svg", "torque.png"} <= names
+    assert {name[:-4] for name in names if name.endswith("svg")} == {name[:-4] for name in names if name[-3:] == "png"}
+
+
+def test_the_folder_without_png(tmp_path: Path) -> None:
+    """``--no-png`` was accepted with ``--csv``, which never wrote PNG files."""
+    path = written(tmp_path / "log.csv", rows(11).tolist())
+    assert main(["assess", "--csv", path, "--no-png", "--out", str(tmp_path / "out")]) == 0
+    names = {file.name for file in (tmp_path / "out").iterdir()}
+    assert "torque.svg" in names
+    assert not any(name.endswith("png") for name in names)
+
+
+GAP = [*rows().tolist()[:10], *rows().tolist()[30:]]
+TEXT = [[*row[:2], "x", *row[3:]] if k == 4 else row for k, row in enumerate(rows().tolist())]
+EMPTY = [[*row[:2], "", *row[3:]] if k == 4 else row for k, row in enumerate(rows().tolist())]
+TWICE = [*rows().tolist()[:5], *rows().tolist()[4:]]
+
+
+@pytest.mark.parametrize(
+    ("table", "header", "message"),
+    [
+        (GAP, JOINTS, r"nothing between t = 0.45 s and 1.5 s, where rows are mostly 0.05 s apart; --max-gap 1.07"),
+        (TWICE, JOINTS, "row 7, column 't': 0.2 s does not come after 0.2 s in row 6"),
+        (TEXT, JOINTS, "row 6, column 'joint2': 'x' is not a finite number"),
+        (EMPTY, JOINTS, "row 6, column 'joint2': the value is missing"),
+        (rows().tolist(), [*JOINTS[:5], "wrist"], "robot 'puma560' has no joint 'wrist'; valid: joint1, joint2"),
+        (rows()[:, :6].tolist(), JOINTS[:5], "no column for joint 'joint6' of robot 'puma560'"),
+        (rows().tolist()[:1], JOINTS, "1 rows of samples; at least two are needed"),
+    ],
+)
+def test_bad_files(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], table: list[list[object]], header: list[str], message: str
+) -> None:
+    path = written(tmp_path / "log.csv", table, ["t", *header])
+    assert main(["assess", "--csv", path]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert message in err
+
+
+def test_a_gap_that_is_meant_is_allowed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = written(tmp_path / "log.csv", GAP)
+    assert main(["assess", "--csv", path, "--max-gap", "1.07"]) in (0, 1)
+    assert "21 rows" in capsys.readouterr().out
+    assert main(["assess", "--csv", path, "--max-gap", "1"]) == 2
+    assert "a gap of 1.05 s since row 11 is longer than max_gap = 1 s" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["paper", "--csv", "FILE"], "TASK does not go with --csv"),
+        (["--csv", "FILE", "--profile", "septic"], "--profile does not go with --csv"),
+        (["--csv", "FILE", "--branch", "auto"], "--branch does not go with --csv"),
+        (["--smoothing", "1e-3"], "--smoothing goes with --csv"),
+        (["--max-gap", "1"], "--max-gap goes with --csv"),
+        (["--csv", "FILE", "--smoothing", "0"], "argument --smoothing: 0 is not positive"),
+        (["--lock", "joint6"], "argument --lock: 'joint6' is not JOINT=POSITION"),
+        (["--csv", "nowhere.csv"], "nowhere.csv: cannot be read as a CSV file"),
+    ],
+)
+def test_arguments_that_do_not_fit(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], message: str
+) -> None:
+    path = written(tmp_path / "log.csv", rows().tolist())
+    assert main(["assess", *(path if text == "FILE" else text for text in arguments)]) == 2
+    assert message in capsys.readouterr().err

@@ -1,0 +1,150 @@
+"""``puma-septic size``: what it prints, what it writes, what it refuses."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.arms import pendulum
+
+from puma_septic.cli import main
+
+
+def ask(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    code = main(["size", *arguments])
+    said = capsys.readouterr()
+    return code, said.out, said.err
+
+
+def test_the_arms_own_drives(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = ask(capsys, "--payload", "2.5", "--dwell", "1")
+    assert code == 0
+    assert "move 9 s with 2.5 kg, rest 1 s, move 9 s with 0 kg, rest 1 s" in out
+    assert "strong enough; the limit used most: joint2 actuator effort" in out
+    assert "winding temperature rise: needs" in out
+
+
+def test_a_load_that_is_too_heavy(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = ask(capsys, "--payload", "9")
+    assert code == 1
+    assert "not strong enough" in out
+    assert "the worst: joint2 actuator effort at the joint" in " ".join(out.split())
+
+
+def test_json_of_both_kinds(capsys: pytest.CaptureFixture[str]) -> None:
+    _, own, _ = ask(capsys, "--format", "json")
+    _, chosen, _ = ask(capsys, "--catalogue", "example", "--format", "json", "--keep", "1")
+    assert json.loads(own)["schema"] == "puma-septic/sizing/1"
+    document = json.loads(chosen)
+    assert document["schema"] == "puma-septic/selection/1"
+    assert len(document["joints"][1]["kept"]) == 1
+    assert document["task"]["name"] == "paper"
+
+
+def test_csv_of_both_kinds(capsys: pytest.CaptureFixture[str]) -> None:
+    _, own, _ = ask(capsys, "--format", "csv", "--one-way")
+    _, chosen, _ = ask(capsys, "--catalogue", "puma560", "--format", "csv", "--keep", "1")
+    checks, pairs = (list(csv.DictReader(io.StringIO(text))) for text in (own, chosen))
+    assert {row["check"] for row in checks} == {"actuator effort at the joint", "motor speed"}
+    assert float(checks[0]["margin"]) == pytest.approx(1 - float(checks[0]["utilisation"]))
+    assert len(pairs) == 36
+    wrong = [row for row in pairs if row["joint"] == "joint2" and row["motor"] == "puma560-motor6"]
+    assert wrong[0]["strong enough"] == "no"
+    assert wrong[0]["fails worst in"] == "actuator effort at the joint"
+
+
+def test_a_catalogue_ends_with_the_chosen_drives(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = ask(capsys, "--catalogue", "example", "--rank", "cost", "--keep", "1", "--masses", "before")
+    assert code == 0
+    assert "by cost: a pair that is strong enough for every joint" in out
+    assert "The first pair of each joint:" in out
+    assert "Note: masses added: " in out
+
+
+def test_the_folder(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    folder = tmp_path / "sized"
+    code, _, _ = ask(capsys, "--catalogue", "example", "--keep", "1", "--out", str(folder))
+    assert code == 0
+    names = {path.name for path in folder.iterdir()}
+    figures = {"torque-speed", "utilisation", "winding-temperature", "torque-split", "ratio-sweep"}
+    assert names == {
+        "report.html", "sizing.json", "checks.csv", "pairs.csv", *(f"load-profile-joint{k}.csv" for k in range(1, 7)),
+        *(f"{name}.{kind}" for name in figures for kind in ("png", "svg")),
+    }  # fmt: skip
+    rows = list(csv.reader((folder / "load-profile-joint2.csv").open(encoding="utf-8")))
+    assert rows[0] == ["time [s]", "speed [rpm]", "torque [N m]"]
+    values = np.array(rows[1:], dtype=float)
+    assert (np.diff(values[:, 0]) > 0).all()
+    assert values[-1, 0] == 18.0
+    # The cycle returns: what the motor turns forth it turns back, up to the trapezoids of 10 ms.
+    assert abs(np.trapezoid(values[:, 1], values[:, 0])) < 1e-3 * np.abs(values[:, 1]).max()
+
+
+def test_a_catalogue_without_a_fit(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    motors, gears = tmp_path / "m.csv", tmp_path / "g.csv"
+    motors.write_text("key,mass,inertia,max_int_torque\nM,1,1e-4,0.001\n", encoding="utf-8")
+    gears.write_text("key,ratio,mass,inertia,efficiency\nG,100,1,1e-5,0.8\n", encoding="utf-8")
+    folder = tmp_path / "out"
+    code, out, _ = ask(capsys, "--catalogue", str(motors), str(gears), "--out", str(folder))
+    assert code == 1
+    assert "joint2 (motor torque rejects most)" in out
+    assert {path.name for path in folder.iterdir()} == {"sizing.json", "pairs.csv"}
+
+
+def test_the_electronics_of_a_drives_file_hold_for_a_catalogue(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """The file was once left unread beside a catalogue, without a word: 1 mA was enough for any motor."""
+    file = tmp_path / "drives.toml"
+    current = '{ value = 0.001, source = "test" }'
+    file.write_text(f'schema = 1\nrobot = "puma560"\n[joints.joint2.drive]\npeak_current = {current}\n')
+    code, out, _ = ask(capsys, "--catalogue", "example", "--keep", "1", "--drives", str(file))
+    assert code == 1
+    assert "no pair is strong enough for joint2 (peak current rejects most)" in " ".join(out.split())
+
+
+def test_a_robot_without_gear_ratios_is_told_the_options(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    task = tmp_path / "task.yaml"
+    urdf = pendulum(tmp_path).name
+    task.write_text(
+        f"name: swing\nrobot: {{source: {tmp_path / urdf}.urdf}}\npoints: [{{joints: [0]}}, {{joints: [1]}}]\n"
+        "times: [0, 1]\nprofiles: [quintic]\n"
+    )
+    code, _, err = ask(capsys, str(task))
+    assert code == 2
+    assert "joint 'swing': its gear ratio is not known" in err
+    assert "here: --actuators FILE, or --catalogue to choose drives" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--catalogue", "a.csv"], "--catalogue a.csv: expected one of example, puma560, or two or three CSV files"),
+        (["--catalogue", "none.csv", "none.csv"], "none.csv: this catalogue does not exist"),
+        (["--catalogue", "example", "--keep", "0"], "--keep: '0' is not a whole number from 1"),
+        (["--keep", "2", "--masses", "at"], "--keep, --masses goes with --catalogue: name the parts to choose from"),
+        (["--catalogue", "example", "--drives", "none.toml"], "none.toml: this drives file does not exist"),
+        (["--drives", "none.toml"], "none.toml: this drives file does not exist"),
+        (["--rank", "price"], "invalid choice: 'price'"),
+    ],
+)
+def test_refused(capsys: pytest.CaptureFixture[str], arguments: list[str], message: str) -> None:
+    code, out, err = ask(capsys, *arguments)
+    assert code == 2
+    assert out == ""
+    assert message in err
+    assert err.count("\n") == 1
+
+
+def test_help_loads_no_library() -> None:
+    """The help of this command, too, is there at once."""
+    script = "import sys; from puma_septic.cli import main; main(['size', '--help']); print('numpy' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.endswith("False\n")
+    assert "--catalogue" in done.stdout

@@ -1,0 +1,335 @@
+"""URDFs that Pinocchio takes wrongly, drops in part, crashes on or refuses without a reason."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from helpers.urdf_texts import ARM, DRIVES, INERTIA, INERTIAL, load, replaced
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import puma_septic as ps
+
+SHOULDER_LIMIT = 'lower="-2" upper="2" effort="50" velocity="3"'
+LOOP = """<joint name="third" type="revolute"><parent link="base"/><child link="fore"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
+CYCLE = """<link name="a"/><link name="b"/>
+<joint name="ab" type="fixed"><parent link="a"/><child link="b"/></joint>
+<joint name="ba" type="fixed"><parent link="b"/><child link="a"/></joint></robot>"""
+
+# Pinocchio 4.1.0 builds each of these without an exception: without the inertia, without a joint, with 0 for
+# what is misspelt, with two drives for one, or with a singular mass matrix.
+ACCEPTED_WRONG = {
+    "mass nan": (
+        '<mass value="3"/>',
+        '<mass value="nan"/>',
+        r"<mass> of link 'upper': value='nan'.*not a finite",
+    ),
+    "mass inf": ('<mass value="3"/>', '<mass value="inf"/>', "'inf' is not a finite number"),
+    "mass overflow": ('<mass value="3"/>', '<mass value="1e400"/>', "'1e400' is not a finite number"),
+    "mass word": ('<mass value="3"/>', '<mass value="heavy"/>', "'heavy' is not a finite number"),
+    "mass comma": ('<mass value="3"/>', '<mass value="1,5"/>', "'1,5' is not a finite number"),
+    "mass unit": ('<mass value="3"/>', '<mass value="1.5kg"/>', "'1.5kg' is not a finite number"),
+    "mass hex": ('<mass value="3"/>', '<mass value="0x10"/>', "'0x10' is not a finite number"),
+    "mass underscore": ('<mass value="3"/>', '<mass value="1_000"/>', "'1_000' is not a finite number"),
+    "mass xacro": (
+        '<mass value="3"/>',
+        '<mass value="${m}"/>',
+        r"'\$\{m\}' is a xacro expression; run xacro",
+    ),
+    "mass misspelt": ('<mass value="3"/>', '<mass valeu="3"/>', "unknown attribute valeu='3'; valid: value"),
+    "mass missing": ('<mass value="3"/>', "", "<inertial> of link 'upper': <mass> is missing"),
+    "mass huge": ('<mass value="3"/>', '<mass value="1e300"/>', r"value='1e300': more than 1e\+06 kg"),
+    "tensor huge": ('izz="0.05"', 'izz="1e300"', r"principal moment 1e\+300 kg m\^2"),
+    "mass negative": ('<mass value="3"/>', '<mass value="-3"/>', "value='-3': a mass cannot be negative"),
+    "tensor nan": ('ixx="0.1"', 'ixx="nan"', "<inertia> of link 'upper': ixx='nan'"),
+    "tensor missing": (INERTIA, "", "<inertia> is missing"),
+    "tensor attribute": ('izz="0.05"', 'izx="0.05"', "unknown attribute izx='0.05'"),
+    "tensor negative": (
+        'izz="0.05"',
+        'izz="-0.05"',
+        "principal moments -0.05, 0.1, 0.1.*none may be negative",
+    ),
+    "inertial misspelt": (INERTIAL, INERTIAL.replace("inertial", "innertial"), "did you mean <inertial>"),
+    "inertial capital": (INERTIAL, INERTIAL.replace("inertial", "Inertial"), "did you mean <inertial>"),
+    "inertial twice": (INERTIAL, INERTIAL * 2, "<inertial> twice"),
+    "axis twice": (
+        '<axis xyz="0 1 0"/>',
+        '<axis xyz="0 1 0"/><axis xyz="1 0 0"/>',
+        r"<axis> twice \(lines 8 and 8",
+    ),
+    "axis zero": ('<axis xyz="0 1 0"/>', '<axis xyz="0 0 0"/>', "<axis> of joint 'shoulder': .*no direction"),
+    "axis misspelt": (
+        '<axis xyz="0 1 0"/>',
+        '<axis xzy="0 1 0"/>',
+        "unknown attribute xzy='0 1 0'; valid: xyz",
+    ),
+    "origin misspelt": ('<origin xyz="0 0 0.5"/>', '<origin xzy="0 0 0.5"/>', "unknown attribute xzy"),
+    "origin far": ('<origin xyz="0 0 0.5"/>', '<origin xyz="0 0 1e308"/>', "farther than 1000 m"),
+    "lower misspelt": ('lower="-2"', 'lover="-2"', "unknown attribute lover='-2'; valid: lower"),
+    "lower missing": ('lower="-2"', "", "line 9, <limit> of joint 'shoulder': attribute 'lower' is missing"),
+    "limits swapped": (
+        SHOULDER_LIMIT,
+        'lower="2" upper="-2" effort="1" velocity="1"',
+        "lower=2 must be less than",
+    ),
+    "limit twice": ("</joint>", f"<limit {SHOULDER_LIMIT}/></joint>", "<limit> twice"),
+    "two parents": ("</robot>", LOOP, "'third'.*already the child of joint 'elbow' in line 11; closed loops"),
+    "cycle": ("</robot>", CYCLE, "links a, b form a cycle that no base carries"),
+    "mimic": (
+        '<axis xyz="0 1 0"/>',
+        '<axis xyz="0 1 0"/><mimic joint="elbow"/>',
+        "mimics 'elbow'.*lock both",
+    ),
+    "floating": (
+        '"shoulder" type="revolute"',
+        '"shoulder" type="floating"',
+        "floating.*only arms on a fixed base",
+    ),
+    "planar": ('"shoulder" type="revolute"', '"shoulder" type="planar"', "planar.*only arms on a fixed base"),
+    "joint name empty": ('name="elbow"', 'name=""', "<joint> '': name is empty"),
+    "joint name universe": ('name="elbow"', 'name="universe"', "'universe' is Pinocchio's name"),
+    "joint name long": ('name="elbow"', f'name="{"e" * 201}"', "at most 200 printable characters"),
+    "joint name control": ('name="elbow"', 'name="el&#10;bow"', "printable characters"),
+    "namespace tag": ("</robot>", "<xacro:arm/></robot>", "<xacro:arm>: this is a xacro source; run xacro"),
+    "sphere negative": (
+        '<link name="tip"/>',
+        '<link name="tip"><visual><geometry><sphere radius="-1"/></geometry></visual></link>',
+        "<sphere> of link 'tip': radius='-1' m must be positive",
+    ),
+    "visual nan": (
+        '<link name="tip"/>',
+        '<link name="tip"><collision><origin xyz="nan 0 0"/><geometry>'
+        '<sphere radius="1"/></geometry></collision>'
+        "</link>",
+        "<origin> of link 'tip': xyz='nan 0 0'",
+    ),
+}
+
+# Pinocchio refuses these, with one sentence for all causes and the reason on the C library's standard error.
+REFUSED_WITHOUT_REASON = {
+    "no robot name": ('<robot name="arm">', "<robot>", "line 2, <robot>: attribute 'name' is missing"),
+    "version": ('<robot name="arm">', '<robot name="arm" version="2.0">', "version='2.0' is not supported"),
+    "truncated": ("</robot>", "", "line 17, column 0: not well-formed XML: no element found"),
+    "trailing": ("</robot>", "</robot>x", "not well-formed XML: junk after document element"),
+    "entity": ('value="3"', 'value="&three;"', "not well-formed XML: undefined entity"),
+    "nul": ('value="3"', 'value="\0"', "not well-formed XML"),
+    "duplicate attribute": ('<mass value="3"/>', '<mass value="3" value="4"/>', "XML: duplicate attribute"),
+    "duplicate link": (
+        '<link name="tip"/>',
+        '<link name="upper"/>',
+        "line 6, <link> 'upper': .*link in line 4",
+    ),
+    "duplicate joint": ('name="elbow"', 'name="shoulder"', "line 11, <joint> 'shoulder': .*joint in line 7"),
+    "two roots": (
+        "</robot>",
+        '<link name="loose"/></robot>',
+        r"2 links are child of no joint \(base, loose\)",
+    ),
+    "self": ('<parent link="fore"/>', '<parent link="tip"/>', "links tip form a cycle"),
+    "no root": ('<parent link="base"/>', '<parent link="tip"/>', "links upper, fore, tip form a cycle"),
+    "unknown link": (
+        '<parent link="fore"/>',
+        '<parent link="for"/>',
+        "'mount': its parent link 'for' is not defined",
+    ),
+    "no child": ('<child link="tip"/>', "", "<joint> 'mount': <child> is missing"),
+    "type": (
+        'type="fixed"',
+        'type="Fixed"',
+        "type='Fixed' is unknown; valid: revolute, continuous, prismatic, fixed",
+    ),
+    "no limit": (f"<limit {SHOULDER_LIMIT}/>", "", "'shoulder': a revolute joint needs <limit"),
+    "no effort": ('effort="50"', "", "attribute 'effort' is missing"),
+    "effort negative": (
+        'effort="50"',
+        'effort="-50"',
+        "<limit> of joint 'shoulder': effort='-50' cannot be negative",
+    ),
+    "limit arabic": ('upper="2"', 'upper="٢"', "<limit> of joint 'shoulder': upper='٢'"),
+    "friction": ("</joint>", '<dynamics friction="-1"/></joint>', "friction='-1' cannot be negative"),
+    "axis two": ('<axis xyz="0 1 0"/>', '<axis xyz="0 1"/>', "xyz='0 1': expected 3 numbers"),
+    "geometry empty": (
+        '<link name="tip"/>',
+        '<link name="tip"><visual><geometry/></visual></link>',
+        "expected exactly one of <box>, <cylinder>, <sphere>, <mesh>",
+    ),
+    "doctype": ("<robot", '<!DOCTYPE r [<!ENTITY a "b">]><robot', "DOCTYPE.* is not allowed"),
+}
+
+
+@pytest.mark.parametrize("fault", ACCEPTED_WRONG)
+def test_refuses_what_pinocchio_accepts_wrongly(tmp_path: Path, fault: str) -> None:
+    old, new, message = ACCEPTED_WRONG[fault]
+    with pytest.raises(ps.ModelError, match=message) as caught:
+        load(tmp_path, replaced(old, new))
+    assert "arm.urdf" in str(caught.value)
+
+
+@pytest.mark.parametrize("fault", REFUSED_WITHOUT_REASON)
+def test_names_the_reason_that_pinocchio_keeps_to_itself(
+    tmp_path: Path, fault: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    old, new, message = REFUSED_WITHOUT_REASON[fault]
+    with pytest.raises(ps.ModelError, match=message):
+        load(tmp_path, replaced(old, new))
+    assert capfd.readouterr().err == ""  # Pinocchio, which writes there, was not reached
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", "this URDF is empty"),
+        (b"  \n", "this URDF is empty"),
+        (b"hello", "not well-formed XML"),
+        (b"<html></html>", "the root of a URDF is <robot>"),
+        (b"<sdf/>", "this is an SDF file"),
+        (b'<robot name="r"/>', "no <link>"),
+        (b'<robot name="r"><link name="only"/></robot>', "no joint moves"),
+        (ARM.encode("utf-16"), "line 1: this URDF is not UTF-8 text"),
+        (ARM.replace("elbow", "él").encode("latin-1"), "line 11: this URDF is not UTF-8 text"),
+        (b"\x00\xff" * 10, "not UTF-8"),
+        (b" " * 5_000_001, "larger than 5 MB"),
+        (b"<robot>" * 500, "more than 100 nested elements"),
+    ],
+)
+def test_refuses_a_file_that_is_no_urdf(tmp_path: Path, content: bytes, message: str) -> None:
+    with pytest.raises(ps.ModelError, match=message):
+        load(tmp_path, content)
+
+
+def test_missing_file_directory_text_and_unknown_name(tmp_path: Path) -> None:
+    with pytest.raises(ps.ModelError, match=r"none\.urdf: this URDF does not exist"):
+        ps.load_robot(tmp_path / "none.urdf")
+    with pytest.raises(ps.ModelError, match="this URDF is not a file"):
+        ps.load_robot(tmp_path)
+    with pytest.raises(ps.InputError, match=r"XML text; write it to a \.urdf file"):
+        ps.load_robot(ARM)
+    with pytest.raises(ps.InputError, match=r"unknown robot 'puma'; valid: 'puma560', or the path of a \.urdf"):
+        ps.load_robot("puma")
+    with pytest.raises(ps.ModelError, match="cannot be read: File name too long"):
+        ps.load_robot("x" * 5000 + ".urdf")
+
+
+def chain(n: int, kind: str) -> str:
+    """A chain of n joints."""
+    links = "".join(f'<link name="l{i}">{INERTIAL}</link>' for i in range(n + 1))
+    limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    joints = "".join(
+        f'<joint name="j{i}" type="{kind}"><parent link="l{i}"/><child link="l{i + 1}"/>{limit}</joint>'
+        for i in range(n)
+    )
+    return f'<robot name="chain">{links}{joints}</robot>'
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (chain(65, "revolute"), "65 moving joints; at most 64"),
+        (chain(200, "revolute"), "201 links; at most 200"),
+        (
+            replaced('"j0" type="fixed"', '"j0" type="revolute"', chain(101, "fixed")),
+            "a chain of 101 joints; at most 100",
+        ),
+    ],
+)
+def test_caps_what_would_exhaust_memory_or_crash(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(ps.ModelError, match=message):
+        load(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "note"),
+    [
+        ('<axis xyz="0 1 0"/>', "", "joint 'shoulder': no <axis>, so the URDF's default"),
+        ('<axis xyz="0 1 0"/>', '<axis xyz="0 2 0"/>', "joint 'shoulder': axis '0 2 0' has length 2"),
+        ('<origin xyz="0 0 0.5"/>', '<origin rpy="90 0 0"/>', "joint 'shoulder': rpy='90 0 0'.*degrees"),
+        ('lower="-2"', 'lower="-180"', "joint 'shoulder': limits -180 to 2 rad .*degrees"),
+        ('effort="50"', 'effort="0"', "joint 'shoulder': the URDF gives no effort limit"),
+        ('izz="0.05"', 'izz="0.3"', r"link 'upper': principal moments 0.1 \+ 0.1 < 0.3"),
+        ("</robot>", "<gazebo/></robot>", "URDF elements not used: <gazebo>"),
+        (INERTIAL, "", "link 'upper': moves, but the URDF has no inertia for it"),
+        ('"shoulder" type="revolute"', '"shoulder" type="continuous"', "'shoulder': continuous.* not used"),
+    ],
+)
+def test_notes_what_is_odd_but_usable(tmp_path: Path, old: str, new: str, note: str) -> None:
+    robot = load(tmp_path, replaced(old, new))
+    assert any(re.search(note, text) for text in robot.notes)
+    assert not any(re.search(note, text) for text in load(tmp_path).notes)
+
+
+def test_a_byte_order_mark_is_no_fault(tmp_path: Path) -> None:
+    assert load(tmp_path, b"\xef\xbb\xbf" + ARM.encode()).joint_names == ("shoulder", "elbow")
+
+
+def test_axis_length_does_not_change_the_torque(tmp_path: Path) -> None:
+    q, v, a = np.array([0.3, -0.4]), np.array([1.0, 2.0]), np.array([3.0, -4.0])
+    unit = ps.inverse_dynamics(load(tmp_path), q, v, a)
+    double = ps.inverse_dynamics(load(tmp_path, ARM.replace("0 1 0", "0 2 0")), q, v, a)
+    assert double == pytest.approx(unit, rel=1e-14)  # rounding of the normalisation
+
+
+def test_names_are_kept_verbatim(tmp_path: Path) -> None:
+    """Escaping is the work of whoever writes HTML or CSV; the model must not change a name."""
+    name = "<script>alert(1)</script> & 'é' \U0001f916"
+    escaped = name.replace("&", "&amp;").replace("<", "&lt;")
+    robot = load(tmp_path, ARM.replace('"arm"', f'"{escaped}"').replace('"elbow"', f'"{escaped}"'))
+    assert robot.name == name
+    assert robot.joint_names == ("shoulder", name)
+    assert robot.model.names[2] == name
+
+
+def test_joints_are_in_file_order_though_pinocchio_sorts_siblings(tmp_path: Path) -> None:
+    branch = """<link name="other"/>
+    <joint name="zz" type="continuous"><parent link="base"/><child link="other"/></joint>
+    <joint name="shoulder" """
+    text = replaced('<joint name="shoulder" ', branch).replace(
+        '<link name="other"/>', f'<link name="other">{INERTIAL}</link>'
+    )
+    robot = load(tmp_path, text)
+    assert robot.joint_names == ("zz", "shoulder", "elbow")
+    assert list(robot.model.names) == ["universe", "shoulder", "elbow", "zz"]
+
+
+def test_without_inertia_kinematics_work_and_torque_is_refused(tmp_path: Path) -> None:
+    robot = load(tmp_path, ARM.replace(INERTIAL, ""))
+    assert robot.missing_inertia == ("shoulder", "elbow")
+    assert ps.forward_kinematics(robot, [0.0, 0.0])[2, 3] == pytest.approx(1.2, rel=1e-15)  # 0.5 + 0.4 + 0.3
+    with pytest.raises(ps.ModelError, match=r"'shoulder'.*'elbow'"):
+        ps.inverse_dynamics(robot, [0.0, 0.0], [0.0, 0.0], [0.0, 0.0])
+
+
+def test_only_the_joints_that_carry_nothing_are_missing(tmp_path: Path) -> None:
+    text = ARM.replace(INERTIAL, "", 2).replace('<link name="upper">', f'<link name="upper">{INERTIAL}')
+    assert load(tmp_path, text).missing_inertia == ("elbow",)
+
+
+def test_mass_matrix_that_is_not_positive_definite_is_refused(tmp_path: Path) -> None:
+    """Two joints on one axis with nothing between them; rotors tell them apart, so with them it is."""
+    text = replaced(INERTIAL, "", replaced('<origin xyz="0 0 0.4"/>', ""))
+    with pytest.raises(ps.ModelError, match="joint-space inertia is not positive definite"):
+        load(tmp_path, text)
+    assert load(tmp_path, text, DRIVES).missing_inertia == ()
+
+
+@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data())
+def test_whatever_is_typed_wrong_is_refused_or_read_in_full(tmp_path: Path, data: st.DataObject) -> None:
+    """A character replaced anywhere: a ModelError, or a model with every mass and a usable mass matrix."""
+    position = data.draw(st.integers(0, len(ARM) - 1))
+    character = data.draw(st.sampled_from(list("0123456789.-+eE \"'<>/=xyzabn&é\n")))
+    text = ARM[:position] + character + ARM[position + 1 :]
+    try:
+        robot = load(tmp_path, text)
+    except ps.ModelError:
+        return
+    masses = [float(x) for x in re.findall(r'mass value="([^"]*)"', text)]
+    assert sum(body.mass for body in robot.model.inertias) == pytest.approx(sum(masses), rel=1e-12)
+    assert robot.model.nv == 2
+    if not robot.missing_inertia:
+        mass_matrix = pin.crba(robot.model, robot.model.createData(), pin.neutral(robot.model))
+        assert np.linalg.eigvalsh(mass_matrix, UPLO="U")[0] > 0

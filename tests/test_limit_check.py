@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import puma_septic as ps
-from puma_septic.assessment.checks import limit_checks
+from puma_septic.assessment import limit_checks
 from puma_septic.limit_check import AT_LIMIT, LimitCheck
 from puma_septic.testing import assert_feasible
 

@@ -1,7 +1,18 @@
 """A motion held against its limits."""
 
-from puma_septic.assessment.result import Assessment, assess
-from puma_septic.assessment.tool import SingularityReport, ToolMetrics
+from puma_septic.assessment._assessment import Assessment, assess
+from puma_septic.assessment._joints import impulses
+from puma_septic.assessment._limits import limit_checks, unknown_values
+from puma_septic.assessment._tool import SingularityReport, ToolMetrics
 from puma_septic.limit_check import LimitCheck
 
-__all__ = ["Assessment", "LimitCheck", "SingularityReport", "ToolMetrics", "assess"]
+__all__ = [
+    "Assessment",
+    "LimitCheck",
+    "SingularityReport",
+    "ToolMetrics",
+    "assess",
+    "impulses",
+    "limit_checks",
+    "unknown_values",
+]

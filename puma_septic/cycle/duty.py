@@ -10,7 +10,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.assessment.joints import blows
+from puma_septic.assessment import impulses
 from puma_septic.cycle.steps import Dwell, Stretch, check_join, check_steps, gaps, gravity, inertia, stretch
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.piecewise import Jumps, Piecewise
@@ -154,7 +154,7 @@ class Cycle:
         if self.is_periodic:
             counted = (jumps.times > 0) & (jumps.times < self.duration)
         steps = Jumps(times=jumps.times[counted], sizes=jumps.sizes[counted])
-        return blows(self.robot, self.trajectory, steps)[0]
+        return impulses(self.robot, self.trajectory, steps)[0]
 
     @cached_property
     def rms_torque(self) -> Array:

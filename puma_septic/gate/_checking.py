@@ -10,8 +10,7 @@ from typing import Any, Final, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.assessment import Assessment, LimitCheck, assess
-from puma_septic.assessment.checks import limit_checks
+from puma_septic.assessment import Assessment, LimitCheck, assess, limit_checks
 from puma_septic.errors import ModelError
 from puma_septic.gate._reasons import AT_REST, DRIVE_VALUES, Reason, checked_allowances, verdict_of
 from puma_septic.quantities import MAGNITUDES, MOTION, QUANTITIES

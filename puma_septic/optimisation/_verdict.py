@@ -9,8 +9,7 @@ from typing import Any, final
 
 import numpy as np
 
-from puma_septic.assessment import LimitCheck
-from puma_septic.assessment.checks import limit_checks, unknown_values
+from puma_septic.assessment import LimitCheck, limit_checks, unknown_values
 from puma_septic.objectives import Candidate
 from puma_septic.quantities import MOTION, QUANTITIES
 from puma_septic.robot import Robot

@@ -1,9 +1,9 @@
-"""Assessments as CSV: exact metrics per joint, and samples over time, which are for drawing only."""
+"""Results as CSV: metrics, checks and pairs, load profiles, and samples over time, which are for drawing only."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -12,11 +12,13 @@ from puma_septic.document import csv_text
 from puma_septic.piecewise import Piecewise
 from puma_septic.quantities import MOTION, QUANTITIES
 from puma_septic.report.documents import profile_labels
+from puma_septic.sizing import MotorLoadProfile, Selection, Sizing
 from puma_septic.task import ResolvedTask
 from puma_septic.validation import Array
+from puma_septic.views import sizing as sizing_view
 from puma_septic.views.assessment import metrics_csv as metrics
 
-__all__ = ["metrics_csv", "named_metrics_csv", "samples_csv"]
+__all__ = ["checks_csv", "load_profile_csv", "metrics_csv", "named_metrics_csv", "pairs_csv", "samples_csv"]
 
 # A fine line on a wide screen; the instants of steps are added.
 _SAMPLES: Final = 1001
@@ -59,6 +61,32 @@ def samples_csv(assessment: Assessment) -> str:
     times, sides, values = _sampled(series)
     rows = ([repr(float(t)), side, *map(repr, row.tolist())] for t, side, row in zip(times, sides, values, strict=True))
     return csv_text([["t [s]", "side", *headers], *rows])
+
+
+def checks_csv(sizing: Sizing) -> str:
+    """One row for each joint and check, the most used limit of a joint first, in SI units."""
+    return sizing_view.checks_csv(sizing.to_dict())
+
+
+def pairs_csv(selection: Selection) -> str:
+    """One row for each joint and pair of the catalogue: accepted, or the check that it fails worst."""
+    catalogue = selection.catalogue
+    rows: list[list[Any]] = [["joint", "motor", "gearbox", "strong enough", "fails worst in", "utilisation at least"]]
+    for one in selection.joints:
+        pairs = zip(catalogue.motor_index.tolist(), catalogue.gearbox_index.tolist(), strict=True)
+        for k, (i, j) in enumerate(pairs):
+            verdict = "yes" if one.is_feasible[k] else "no"
+            use = "unbounded" if one.utilisation[k] == float("inf") else repr(float(one.utilisation[k]))
+            names = [catalogue.motors[i].name, catalogue.gearboxes[j].name]
+            rows.append([one.joint, *names, verdict, one.reasons[k], use])
+    return csv_text(rows)
+
+
+def load_profile_csv(profile: MotorLoadProfile) -> str:
+    """Time, speed and torque of a motor, sampled: the three columns that the tools of motor makers ask for."""
+    columns = zip(profile.time.tolist(), profile.speed_rpm.tolist(), profile.torque.tolist(), strict=True)
+    rows = ([f"{value:.9g}" for value in row] for row in columns)
+    return csv_text([["time [s]", "speed [rpm]", "torque [N m]"], *rows])
 
 
 def _sampled(series: Piecewise) -> tuple[Array, list[str], Array]:

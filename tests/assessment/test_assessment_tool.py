@@ -12,7 +12,7 @@ from helpers.moves import PROFILES, paper_move, parabolic_blends, random_move
 from helpers.sampled import between, refined_extrema, refined_peak
 
 import puma_septic as ps
-from puma_septic.assessment.tool import ToolMetrics
+from puma_septic.assessment import ToolMetrics
 from puma_septic.kinematics._singularity import singularity_distances, singularity_names
 
 # The squares of speed and acceleration are fitted to 1e-11 of their largest value.

@@ -13,7 +13,7 @@ from puma_septic.cli.texts import assessed_text
 from puma_septic.comparison import Comparison
 from puma_septic.report import assess_document, metrics_csv, to_json
 from puma_septic.report.page import tasks_html
-from puma_septic.report.sizing_sheets import checks_csv
+from puma_septic.report.sheets import checks_csv
 from puma_septic.sizing import Sizing
 from puma_septic.task import ResolvedTask, assess_task, load_task, make_task, resolve_task
 

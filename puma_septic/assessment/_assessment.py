@@ -8,9 +8,9 @@ from typing import Any, final
 
 import numpy as np
 
-from puma_septic.assessment.checks import limit_checks, unknown_values
-from puma_septic.assessment.joints import PowerMetrics, coulomb_steps, derivative_peak, joint_metrics, power_metrics
-from puma_septic.assessment.tool import ToolMetrics, tool_metrics
+from puma_septic.assessment._joints import PowerMetrics, coulomb_steps, derivative_peak, joint_metrics, power_metrics
+from puma_septic.assessment._limits import limit_checks, unknown_values
+from puma_septic.assessment._tool import ToolMetrics, tool_metrics
 from puma_septic.document import SCHEMAS, plain
 from puma_septic.errors import InputError
 from puma_septic.limit_check import LimitCheck

@@ -61,8 +61,8 @@ def joint_metrics(motion: Motion, dwell: float) -> JointMetrics:
     _, rms_v, rms_a, rms_j = np.sqrt(trajectory.state.inner(trajectory.state) / cycle).reshape(4, -1)
     whole = _with_rest(motion, dwell)
     torque = whole.extrema()
-    blow_time, blow_sign = first_blows(motion)
-    struck = ~np.isnan(blow_time)
+    impulse_time, impulse_sign = first_impulses(motion)
+    is_impulsive = ~np.isnan(impulse_time)
     # The extreme that is named by its instant; a constant has both at once.
     constant = torque.t_min == torque.t_max
     negative = np.where(constant, torque.min < 0, torque.t_peak == torque.t_min)
@@ -73,13 +73,13 @@ def joint_metrics(motion: Motion, dwell: float) -> JointMetrics:
         peak_acceleration_time=t_a,
         peak_jerk=j,
         peak_jerk_time=t_j,
-        peak_torque=np.where(struck, np.inf, torque.peak),
-        peak_torque_time=np.where(struck, blow_time, torque.t_peak),
-        peak_torque_sign=np.where(struck, blow_sign, np.where(negative, -1.0, 1.0)),
+        peak_torque=np.where(is_impulsive, np.inf, torque.peak),
+        peak_torque_time=np.where(is_impulsive, impulse_time, torque.t_peak),
+        peak_torque_sign=np.where(is_impulsive, impulse_sign, np.where(negative, -1.0, 1.0)),
         rms_velocity=np.where(np.isinf(v), np.inf, rms_v),
         rms_acceleration=np.where(np.isinf(a), np.inf, rms_a),
         rms_jerk=np.where(np.isinf(j), np.inf, rms_j),
-        rms_torque=np.where(struck, np.inf, whole.rms()),
+        rms_torque=np.where(is_impulsive, np.inf, whole.rms()),
     )
     _freeze(metrics.values())
     return metrics
@@ -99,12 +99,12 @@ def _freeze(arrays: Iterable[object]) -> None:
         array.setflags(write=False)
 
 
-def first_blows(motion: Motion) -> tuple[Array, Array]:
+def first_impulses(motion: Motion) -> tuple[Array, Array]:
     """When each joint's torque is first unbounded, s, and with which sign; NaN and 0 where never. Shape (n_joints,).
 
     A step dv of the velocity takes the impulse ``M(q) dv``: it strikes every joint that is coupled to one that steps.
     """
-    return blows(motion.robot, motion.trajectory, motion.trajectory.jumps(1))
+    return impulses(motion.robot, motion.trajectory, motion.trajectory.jumps(1))
 
 
 def derivative_peak(motion: Motion, quantity: Quantity) -> tuple[Array, Array]:
@@ -116,7 +116,7 @@ def derivative_peak(motion: Motion, quantity: Quantity) -> tuple[Array, Array]:
     """
     extrema = motion.signal(quantity.name).extrema()
     steps = [
-        blows(motion.robot, motion.trajectory, motion.trajectory.jumps(order))[0]
+        impulses(motion.robot, motion.trajectory, motion.trajectory.jumps(order))[0]
         for order in range(1, min(quantity.order + 2, len(MOTION)))
     ]
     first = np.fmin.reduce(steps)
@@ -132,8 +132,8 @@ def coulomb_steps(motion: Motion) -> Array:
     return np.asarray(np.abs(after - before)[inside].max(axis=0, initial=0.0))
 
 
-def blows(robot: Robot, trajectory: Trajectory, jumps: Jumps) -> tuple[Array, Array]:
-    """`first_blows` of the given steps of velocity alone."""
+def impulses(robot: Robot, trajectory: Trajectory, jumps: Jumps) -> tuple[Array, Array]:
+    """`first_impulses` of the given steps of velocity alone."""
     times, signs = np.full(robot.n_joints, np.nan), np.zeros(robot.n_joints)
     if not len(jumps.times):
         return times, signs
@@ -159,10 +159,10 @@ def power_metrics(motion: Motion) -> PowerMetrics:
     work[np.abs(work) <= _NO_WORK * np.abs(work).sum(axis=0).max()] = 0.0
     least = _NO_WORK * extrema.peak.max()
     up, down = (np.where(size > least, size, 0.0) for size in (extrema.max, -extrema.min))
-    struck = ~np.isnan(first_blows(motion)[0])
+    is_impulsive = ~np.isnan(first_impulses(motion)[0])
     metrics = PowerMetrics(
-        peak_power=np.where(struck, np.inf, up),
-        peak_regenerated_power=np.where(struck, np.inf, down),
+        peak_power=np.where(is_impulsive, np.inf, up),
+        peak_regenerated_power=np.where(is_impulsive, np.inf, down),
         energy_in=np.maximum(work, 0.0).sum(axis=0),
         energy_out=np.maximum(-work, 0.0).sum(axis=0),
     )

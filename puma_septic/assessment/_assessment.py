@@ -13,7 +13,7 @@ from puma_septic.assessment._limits import limit_checks, unknown_values
 from puma_septic.assessment._tool import ToolMetrics, tool_metrics
 from puma_septic.document import SCHEMAS, plain
 from puma_septic.errors import InputError
-from puma_septic.limit_check import LimitCheck
+from puma_septic.limit_check import LimitCheck, most_used_first
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.piecewise import Extrema
 from puma_septic.quantities import MAGNITUDES, QUANTITIES
@@ -194,13 +194,12 @@ class Assessment:
     @property
     def violations(self) -> tuple[LimitCheck, ...]:
         """The limits that are broken, the worst first; infinite acceleration or torque breaks an unknown one too."""
-        broken = [check for check in self.checks if check.is_violated]
-        return tuple(sorted(broken, key=lambda check: -check.utilisation))
+        return most_used_first(check for check in self.checks if check.is_violated)
 
     @property
     def worst(self) -> LimitCheck | None:
         """The governing limit: the one used most, broken or not; None where no limit is known at all."""
-        return max(self.checks, key=lambda check: check.utilisation, default=None)
+        return next(iter(most_used_first(self.checks)), None)
 
     @property
     def verdict(self) -> str:

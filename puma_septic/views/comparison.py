@@ -9,7 +9,7 @@ from textwrap import wrap
 from typing import Any, Final
 
 from puma_septic.document import csv_text, numeric
-from puma_septic.limit_check import LimitCheck
+from puma_septic.limit_check import LimitCheck, most_used_first
 from puma_septic.views.checks import read_checks
 from puma_septic.views.tables import Cell, html_table, text_table
 
@@ -146,8 +146,7 @@ def _torque(row: Document, joint_names: list[str]) -> str:
 
 def _broken(checks: tuple[LimitCheck, ...], separator: str) -> str:
     """How often each quantity is violated, the one that is violated most first."""
-    violated = sorted((check for check in checks if check.is_violated), key=lambda check: -check.utilisation)
-    quantities = [check.label for check in violated]
+    quantities = [check.label for check in most_used_first(checks) if check.is_violated]
     counts = {name: quantities.count(name) for name in dict.fromkeys(quantities)}
     return separator.join(f"{_BRIEF.get(name, name)} {count}" for name, count in counts.items()) or "none"
 

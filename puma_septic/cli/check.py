@@ -205,7 +205,7 @@ def _fix(arguments: Namespace, robot: Robot, results: Sequence[_Checked], allow:
         return {"path": None, "message": "no torque can be computed, so no stretch either"}
     try:
         made = fixed(robot, planned[0], allow=allow, effort=arguments.effort)
-    except NoSolution as error:
+    except (NoSolution, InputError) as error:  # InputError: friction of a kind that a stretch does not know
         return {"path": None, "message": str(error)}
     path = write_message(arguments.fix, made.message)
     return {

@@ -225,6 +225,20 @@ def test_fix_leaves_alone_what_holds_and_says_where_nothing_helps(
     assert not (tmp_path / "never.yaml").exists()
 
 
+def test_fix_says_which_friction_it_does_not_know(
+    fast: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Where gears lose a part of their load the torque is no polynomial of the speed: a verdict, but no stretch."""
+    text = (ROOT / "urdf" / "puma560_actuators.toml").read_text()
+    path = tmp_path / "loss.toml"
+    path.write_text(text.replace("rotor_inertia = 200e-6", "load_share = 0.1\nrotor_inertia = 200e-6", 1))
+    arguments = ["--actuators", str(path), "--fix", str(tmp_path / "x.yaml")]
+    code, told = document(capsys, fast, *KNOWN, *arguments)
+    assert code == 1
+    assert told["fix"]["path"] is None
+    assert "gears that lose a part of their load" in told["fix"]["message"]
+
+
 def test_fix_of_several_or_onto_a_file_is_refused(good: str, fast: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert check(good, fast, *KNOWN, "--fix", "x.yaml") == 2
     assert "--fix goes with one trajectory that can be read; there are 2" in capsys.readouterr().err

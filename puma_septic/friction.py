@@ -317,7 +317,10 @@ def loss_along(transmission: Array, load: Piecewise, direction: Piecewise) -> Pi
         With breaks of its own where a load changes sign.
     """
     rounding = ROUNDING * np.abs(load.coefficients).sum(axis=0).max()
-    split = resolved(load, rounding).aligned_with(direction).split_at_roots()
+    moved = resolved(load, rounding).aligned_with(direction)
+    ways = direction.aligned_with(moved).coefficients[0]
+    # A joint at rest loses nothing, whatever the sign of its load.
+    split = moved.by_interval(np.abs(ways)).split_at_roots()
     power_sign = direction.aligned_with(split).coefficients[0] * split.signs()
     return split.by_interval(_passed(transmission, power_sign) - 1)
 

@@ -40,6 +40,12 @@ _GEARBOX_FIELDS: Final = {
     "T_M": "max_momentary_torque", "n_in_av": "max_average_input_speed", "n_in_max": "max_input_speed",
 }  # fmt: skip
 
+_FRICTION_FIELDS: Final = {
+    "coulomb_positive": "coulomb", "coulomb_negative": "coulomb", "viscous_friction": "viscous",
+    "stribeck_velocity": "stribeck_velocity", "load_share": "load_share", "static_positive": "static",
+    "static_negative": "static",
+}  # fmt: skip
+
 
 class _Row(NamedTuple):
     """A row's texts and known values in SI units by column, and where it stands."""
@@ -69,8 +75,9 @@ def load_catalogue(motors: str | Path, gearboxes: str | Path, pairs: str | Path 
         backdrive_efficiency, cost. Speeds are the input's.
     pairs : str or Path, optional
         Columns motor and gearbox (their keys), and what is measured of both together: viscous_friction,
-        coulomb_positive, coulomb_negative (at the motor, through the gears), max_effort (at the joint). Without the
-        file every motor fits every gearbox.
+        coulomb_positive, coulomb_negative and the optional terms of `Friction`, static_positive, static_negative,
+        stribeck_velocity, load_share (at the motor, through the gears), max_effort (at the joint). Without the file
+        every motor fits every gearbox.
 
     Raises
     ------
@@ -200,10 +207,11 @@ def _pairs(path: Path, motors: dict[str, Any], gearboxes: dict[str, Any]) -> tup
                 raise InputError(f"{row.where}, column {column!r}: no {column} has the key {row.texts[column]!r}")
         values = row.values
         friction = None
-        if {"viscous_friction", "coulomb_positive", "coulomb_negative"} & values.keys():
-            sides = [values.get(f"coulomb_{side}", np.nan) for side in ("positive", "negative")]
-            given = {"viscous": values.get("viscous_friction", np.nan), "coulomb": np.array(sides)}
-            friction = _made(Friction, {}, given, row, {"viscous_friction": "viscous", "coulomb_positive": "coulomb"})
+        if _FRICTION_FIELDS.keys() & values.keys():
+            given = {field: values.get(column, np.nan) for column, field in _FRICTION_FIELDS.items()}
+            for level in ("coulomb", "static"):
+                given[level] = [values.get(f"{level}_{side}", np.nan) for side in ("positive", "negative")]
+            friction = _made(Friction, {"coulomb": given["coulomb"]}, given, row, _FRICTION_FIELDS)
         effort = values.get("max_effort", np.nan)
         if effort <= 0:
             raise InputError(f"{row.where}, column 'max_effort': {effort:g} N m must be greater than 0 N m")

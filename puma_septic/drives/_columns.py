@@ -65,7 +65,8 @@ GEARBOX: Final[dict[str, Column]] = {
 PAIR: Final[dict[str, Column]] = {
     "motor": Column(None, True), "gearbox": Column(None, True), "viscous_friction": Column("N m s/rad"),
     "coulomb_positive": Column("N m"), "coulomb_negative": Column("N m"), "max_effort": Column("N m"),
-    "source": Column(),
+    "static_positive": Column("N m"), "static_negative": Column("N m"), "stribeck_velocity": Column("rad/s"),
+    "load_share": Column(""), "source": Column(),
 }  # fmt: skip
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import final
+from typing import Any, Final, final
 
 import numpy as np
 
@@ -12,7 +12,14 @@ from puma_septic.errors import InputError
 from puma_septic.friction import Friction, checked_levels
 from puma_septic.validation import Array, checked_number
 
-__all__ = ["Actuator"]
+__all__ = ["FRICTION_KEYS", "Actuator"]
+
+FRICTION_KEYS: Final = {
+    "static_friction": "static",
+    "stribeck_velocity": "stribeck_velocity",
+    "load_share": "load_share",
+}
+"""What files and documents call the optional terms of friction, and the law."""
 
 
 @final
@@ -94,6 +101,13 @@ class Actuator:
     def armature(self) -> float:
         """Rotor inertia at the joint in kg m^2, that of the gears' input with it; NaN where unknown."""
         return np.nan if np.isnan(self.rotor_inertia) else self.drivetrain.reflected_inertia
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The optional terms of friction that are known, as `FRICTION_KEYS` calls them."""
+        law = self.drivetrain.friction
+        values = {key: getattr(law, name) for key, name in FRICTION_KEYS.items()}
+        return {key: value for key, value in values.items() if not np.isnan(value).all()}
 
     def _completed(self) -> Drivetrain:
         """The five values written over all others; friction that has been replaced counts as measured."""

@@ -13,15 +13,13 @@ from puma_septic.drives import Drivetrain
 from puma_septic.errors import InputError, ModelError
 from puma_septic.friction import Friction
 from puma_septic.quantities import MAGNITUDES, QUANTITIES
-from puma_septic.robot._actuator import Actuator
+from puma_septic.robot._actuator import FRICTION_KEYS, Actuator
 from puma_septic.robot.toml_text import read_toml, table
 from puma_septic.robot.values import Limits
 from puma_septic.validation import Array, checked_array, checked_choice
 
 __all__ = ["ActuatorFile", "ParameterSet", "read_actuator_file"]
 
-# The optional terms of friction, by the field of the law.
-FRICTION_KEYS = {"static_friction": "static", "stribeck_velocity": "stribeck_velocity", "load_share": "load_share"}
 DRIVE_KEYS = ("gear_ratio", "rotor_inertia", "armature", "viscous_friction", "coulomb_friction", *FRICTION_KEYS)
 
 

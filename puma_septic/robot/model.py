@@ -288,13 +288,14 @@ class Robot:
             "tool": self.tool,
             "payload": None if payload is None else plain({key: getattr(payload, key) for key in _PAYLOAD}),
             "joints": [
-                self._joint_document(j, place, axis) for j, (place, axis) in enumerate(zip(*self._axes(), strict=True))
+                self._joint_document(j, actuator, place, axis)
+                for j, (actuator, place, axis) in enumerate(zip(self.actuators, *self._axes(), strict=True))
             ],
             "limits_source": self.limits.source,
             "notes": list(self.notes),
         }
 
-    def _joint_document(self, j: int, place: Array, axis: Array) -> dict[str, Any]:
+    def _joint_document(self, j: int, actuator: Actuator, place: Array, axis: Array) -> dict[str, Any]:
         return {
             "name": self.joint_names[j],
             "is_prismatic": bool(self.is_prismatic[j]),
@@ -302,7 +303,7 @@ class Robot:
             "origin": plain(place),
             "axis": plain(axis),
             "limits": {name: plain(getattr(self.limits, name)[j]) for name in self.limits.quantities},
-            "actuator": plain({key: getattr(self.actuators[j], key) for key in _ACTUATOR}),
+            "actuator": plain({key: getattr(actuator, key) for key in _ACTUATOR} | actuator.options),
         }
 
     def _axes(self) -> tuple[Array, Array]:
@@ -312,7 +313,8 @@ class Robot:
         places, axes = [], []
         for name, slides in zip(self.joint_names, self.is_prismatic, strict=True):
             joint = self.model.getJointId(name)
-            column = pin.getJointJacobian(self.model, data, joint, pin.LOCAL_WORLD_ALIGNED)
+            # Pinocchio's bindings hand out the Jacobian of an arm with one joint as a vector.
+            column = pin.getJointJacobian(self.model, data, joint, pin.LOCAL_WORLD_ALIGNED).reshape(6, -1)
             direction = column[:, self.model.joints[joint].idx_v]
             places.append(data.oMi[joint].translation)
             axes.append(direction[:3] if slides else direction[3:])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from puma_septic.sizing.gearbox import expected_life
 from puma_septic.sizing.grids import LoadGrid
@@ -25,13 +26,20 @@ _CURVE_INSTANTS: Final = 96
 
 
 def utilisation_bounds(grid: LoadGrid, table: PairTable) -> dict[str, Bounds]:
-    """Utilisation of each check that can reject, by the names of `assess_joint`."""
+    """Utilisation of each check that can reject, by the names of `assess_joint`.
+
+    Of pairs whose torque is no sum of the features nothing is known before they are assessed in full.
+
+    Returns
+    -------
+    dict of str to Bounds
+    """
     n, speed, mean = table.ratio, table.ratio * grid.moments.peak_speed, table.ratio * grid.mean_speed
     rms = _rms(grid, table.coefficients)
     peak, power = _peaks(grid, table)
     k_t = table.motor("torque_constant")
     load = np.full(len(n), grid.peak_torque)
-    return {
+    bounds = {
         "actuator effort at the joint": _use(_times(peak, n), table.max_effort),
         "motor torque": _use(peak, table.motor("peak_torque")),
         "RMS motor torque at mean speed": _use(rms, _continuous_torque(table, mean)),
@@ -52,6 +60,14 @@ def utilisation_bounds(grid: LoadGrid, table: PairTable) -> dict[str, Bounds]:
         "gearbox input speed": _use(_exact(speed), table.gearbox("max_input_speed")),
         "gearbox life": _use(_exact(n * 0 + table.place.required_life_hours), _life(grid, table)),
     }
+    return {name: _opened(pair, table.is_linear) for name, pair in bounds.items()}
+
+
+def _opened(bounds: Bounds, is_linear: NDArray[np.bool_]) -> Bounds:
+    """Zero and infinity where the bounds do not hold; what is not assessed at all stays so."""
+    low, high = bounds
+    holds = is_linear | np.isnan(high)
+    return np.where(holds, low, 0.0), np.where(holds, high, np.inf)
 
 
 def _exact(demand: Array) -> Bounds:

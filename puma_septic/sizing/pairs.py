@@ -30,6 +30,8 @@ class PairTable:
     ratio : ndarray, shape (n,)
     coefficients : ndarray, shape (n, 7)
         Of the features of a load (see `LoadGrid`), at the motor.
+    is_linear : ndarray of bool, shape (n,)
+        Whether the motor's torque is the sum of the features: not with Stribeck friction.
     """
 
     catalogue: Catalogue
@@ -38,6 +40,7 @@ class PairTable:
     place: Drivetrain
     ratio: Array
     coefficients: Array
+    is_linear: NDArray[np.bool_]
 
     def motor(self, name: str) -> Array:
         """A value of each pair's motor."""
@@ -91,8 +94,10 @@ def pair_table(catalogue: Catalogue, joint: int, places: Sequence[Drivetrain] | 
     coefficients = np.column_stack(
         [sums[:, 0] * ratio, passed / ratio[:, None], sums[:, 1] * ratio, sums[:, 2], sums[:, 2]]
     )
+    is_linear = np.ones(len(ratio), dtype=bool)
     for k, pair in enumerate(catalogue.pairs or ()):
         if pair.friction is not None:
+            is_linear[k] = pair.friction.is_linear
             t = catalogue.drivetrain(k, joint)
             law = t.friction.known
             friction = [law.viscous * t.ratio, law.coulomb[0], -law.coulomb[1]]
@@ -105,4 +110,5 @@ def pair_table(catalogue: Catalogue, joint: int, places: Sequence[Drivetrain] | 
         place=place,
         ratio=ratio,
         coefficients=coefficients,
+        is_linear=is_linear,
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from math import isnan
-from typing import Any
+from typing import Any, Final
 
 from puma_septic.document import numeric
 from puma_septic.quantities import QUANTITIES, typeset
@@ -14,6 +14,17 @@ from puma_septic.views.tables import Cell, html_table
 __all__ = ["html"]
 
 Document = Mapping[str, Any]
+
+# The columns of the drives; the last three where a joint has them.
+_DRIVE: Final = {
+    "gear_ratio": "gear ratio",
+    "rotor_inertia": "rotor inertia [kg m²]",
+    "viscous_friction": "viscous [N m s/rad]",
+    "coulomb_friction": "Coulomb +, − [N m]",
+    "static_friction": "static +, − [N m]",
+    "stribeck_velocity": "Stribeck velocity [rad/s]",
+    "load_share": "load share",
+}
 
 
 def html(document: Document) -> str:
@@ -62,19 +73,19 @@ def _limit(joint: Document, name: str) -> str:
 
 
 def _drive_table(joints: Sequence[Document]) -> str:
+    columns = {key: title for key, title in _DRIVE.items() if any(key in joint["actuator"] for joint in joints)}
     rows: list[list[Cell]] = [
-        [
-            joint["name"],
-            *(_known(joint["actuator"][key]) for key in ("gear_ratio", "rotor_inertia", "viscous_friction")),
-            ", ".join(map(_known, joint["actuator"]["coulomb_friction"])),
-        ]
-        for joint in joints
+        [joint["name"], *(_values(joint["actuator"].get(key)) for key in columns)] for joint in joints
     ]
     return html_table(
-        ["joint", "gear ratio", "rotor inertia [kg m²]", "viscous [N m s/rad]", "Coulomb +, − [N m]"],
+        ["joint", *columns.values()],
         rows,
         caption=_sourced("Drives, motor side", (joint["actuator"]["source"] for joint in joints)),
     )
+
+
+def _values(given: float | str | Sequence[float | str | None] | None) -> str:
+    return ", ".join(map(_known, given if isinstance(given, list) else [given]))
 
 
 def _triple(vector: Iterable[float]) -> str:

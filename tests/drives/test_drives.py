@@ -10,11 +10,8 @@ import numpy as np
 import pytest
 from helpers.arms import pendulum
 from helpers.places import DOCS
-from hypothesis import given
-from hypothesis import strategies as st
 
 import puma_septic as ps
-from puma_septic.piecewise import Piecewise
 
 GEARED = {"gearbox": ps.Gearbox(ratio=-50.0, efficiency=0.8, backward_efficiency=0.6, inertia=1e-4)}
 
@@ -218,49 +215,3 @@ def test_the_examples_of_the_docs_are_read(puma: ps.Robot, tmp_path: Path) -> No
     names: dict = {"ps": ps}
     exec(compile(code, "motors.md", "exec"), names)
     assert names["train"].reflected_inertia == 2.0
-
-
-# ---- the friction law
-
-
-@given(
-    viscous=st.floats(0, 10),
-    coulomb=st.tuples(st.floats(0, 10), st.floats(-10, 0)),
-    speed=st.floats(0, 1e3),
-    way=st.sampled_from([-1, 0, 1]),
-)
-def test_friction_never_drives_and_has_the_sign_of_travel(
-    viscous: float, coulomb: tuple, speed: float, way: int
-) -> None:
-    friction = ps.Friction(viscous=viscous, coulomb=coulomb)
-    assert way * friction.torque(way * speed, way) >= 0
-    at_a_turn = float(friction.torque(0.0, way))
-    assert at_a_turn == {1: coulomb[0], -1: coulomb[1], 0: 0.0}[way]
-    # A velocity of rounding the wrong way does not turn the Coulomb part.
-    assert float(friction.torque(-1e-17 * way, way)) == pytest.approx(at_a_turn, abs=1e-15)
-
-
-def test_friction_beyond_the_gears_is_the_robot_s_own(puma: ps.Robot) -> None:
-    """The robot computes the joint's friction from its actuators by itself: both ways agree, negative ratios too."""
-    for j, actuator in enumerate(puma.actuators):
-        law = ps.Friction(viscous=actuator.viscous_friction, coulomb=actuator.coulomb_friction)
-        joint = law.reflected(actuator.gear_ratio).known
-        assert joint.viscous == puma.viscous_friction[j]
-        np.testing.assert_array_equal(joint.coulomb, puma.coulomb_friction[j])
-
-
-def test_friction_along_a_motion_is_that_of_its_instants() -> None:
-    friction = ps.Friction(viscous=0.1, coulomb=[0.4, -0.5])
-    velocity = Piecewise.from_power([0.0, 1.0, 2.0, 3.0], [[[2.0], [0.0], [0.0]], [[-2.0], [0.0], [-3.0]]])
-    moving = np.array([1.0, 0.0, -1.0])
-    found = friction.along(velocity, moving)
-    np.testing.assert_allclose(found(velocity.middles)[:, 0], friction.torque([1.0, 0.0, -1.5], moving), rtol=1e-15)
-    assert found.jumps().sizes.ravel() == pytest.approx([-0.4, -0.5])
-
-
-def test_what_is_unknown_of_friction_is_left_out() -> None:
-    partly = ps.Friction(coulomb=[0.4, np.nan])
-    assert not partly.is_known
-    assert partly.torque([3.0, -3.0], [1, -1]).tolist() == [0.4, 0.0]
-    with pytest.raises(ps.InputError, match="viscous = -1 N m s/rad must be at least 0"):
-        ps.Friction(viscous=-1.0)

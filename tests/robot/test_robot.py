@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+from helpers.arms import pendulum
 from helpers.places import KINOVA, PANDA, UR5
 from helpers.urdf_texts import ARM, load, replaced
 
@@ -168,3 +169,10 @@ def test_only_values_of_our_own_kinds_are_taken() -> None:
     for wrong in ("fast", True):
         with pytest.raises(ps.InputError, match="velocity: expected numbers"):
             robot.with_limits(velocity=wrong)  # type: ignore[arg-type]
+
+
+def test_a_robot_of_one_joint_has_a_document(tmp_path: Path) -> None:
+    """Its Jacobian comes as a vector, on which the document once failed."""
+    (joint,) = pendulum(tmp_path).to_dict()["joints"]
+    assert joint["axis"] == [0.0, 1.0, 0.0]
+    assert joint["origin"] == [0.0, 0.0, 1.0]

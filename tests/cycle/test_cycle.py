@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.arms import DRIVE, link, load, pendulum
 from helpers.arms import joint as joint_text
-from helpers.arms import link, load, pendulum
 from helpers.duty import LOAD, paper_motion
 from helpers.moves import POINTS, TIMES
 from hypothesis import given, settings
@@ -226,3 +227,46 @@ def test_prismatic_joints_speak_of_metres(tmp_path: Path) -> None:
     robot = load(tmp_path, "slide", body + joint_text("slide", "prismatic", "base", "sled", [0, 0, 0], [1, 0, 0]))
     with pytest.raises(ps.InputError, match="joint 'slide' ends at position 1 m, then starts at 2 m"):
         ps.Cycle(steps=[rest_to_rest(robot, 0.0, 1.0), rest_to_rest(robot, 2.0, 3.0)])
+
+
+# ---- one idea of rest
+
+
+def test_a_dwell_is_the_same_rest_in_an_assessment_and_in_a_cycle() -> None:
+    """Once each had its own root mean square: two ways to the same numbers, to rounding."""
+    motion = paper_motion(loaded=True)
+    assessment = ps.assess(motion, dwell=2.5)
+    cycle = ps.Cycle(steps=[motion, ps.Dwell(duration=2.5)])
+    np.testing.assert_allclose(cycle.rms_torque, assessment.rms_torque, rtol=1e-14)
+    reach = cycle.torque.extrema()
+    np.testing.assert_allclose(reach.peak, assessment.peak_torque, rtol=1e-14)
+    np.testing.assert_allclose(reach.t_peak, assessment.peak_torque_time, rtol=0, atol=1e-12)
+    held = cycle.torque(cycle.duration)
+    np.testing.assert_allclose(held, assessment.holding_torque, rtol=1e-14)
+
+
+def test_a_rest_that_takes_more_than_the_motion_is_the_peak_of_both(tmp_path: Path) -> None:
+    """Friction that helps the arm down does not help to hold it: the peak is at the end, where the rest begins."""
+    drive = DRIVE.format(name="swing", ratio=1.0, rotor=0.0, viscous=0.0, positive=0.0, negative=-3.0)
+    robot = pendulum(tmp_path, drives=drive)
+    motion = ps.compute_motion(robot, ps.quintic_segments([[1.0], [0.9]], [0.0, 4.0]))
+    assessment = ps.assess(motion, dwell=1.0)
+    cycle = ps.Cycle(steps=[motion, ps.Dwell(duration=1.0)])
+    weight = 2.0 * 9.81 * 0.5 * np.sin(0.9)
+    assert assessment.peak_torque[0] == pytest.approx(weight, rel=1e-12)
+    assert assessment.peak_torque_time[0] == pytest.approx(4.0)
+    assert cycle.torque.extrema().peak[0] == pytest.approx(weight, rel=1e-12)
+
+
+def test_what_a_log_does_not_resolve_is_no_motion_in_a_cycle_either() -> None:
+    """The dead band of a recorded motion was once lost on its way into a cycle, and in the way back."""
+    motion = paper_motion()
+    noisy = replace(motion.trajectory, resolution=[1e-3, 2e-3, 0.0, 0.0, 0.0, 0.0], rest_before=False)
+    cycle = ps.cycle.with_return(ps.compute_motion(motion.robot, noisy), dwell=0.5)
+    assert cycle.trajectory.resolution.tolist() == [1e-3, 2e-3, 0.0, 0.0, 0.0, 0.0]
+    back = cycle.steps[2].trajectory
+    assert back.resolution.tolist() == noisy.resolution.tolist()
+    assert (back.rest_before, back.rest_after) == (True, False)
+    assert (cycle.trajectory.rest_before, cycle.trajectory.rest_after) == (False, True)
+    there = ps.Cycle(steps=[ps.compute_motion(motion.robot, noisy)])
+    assert (there.trajectory.rest_before, there.trajectory.rest_after) == (False, True)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
+from functools import lru_cache
 from typing import Final, NamedTuple, final
 
 import numpy as np
@@ -242,7 +243,9 @@ class _Law(NamedTuple):
         return np.asarray(np.exp(-((velocity / self.stribeck_velocity) ** 2)))
 
 
-def _law(laws: Sequence[Friction]) -> _Law:
+@lru_cache(maxsize=64)
+def _law(laws: tuple[Friction, ...]) -> _Law:
+    """Kept, as a simulation asks for the same joints at every step."""
     width = np.array([law.stribeck_velocity for law in laws])
     return _Law(
         viscous=np.nan_to_num([law.viscous for law in laws]),
@@ -260,7 +263,7 @@ def friction_terms(laws: Sequence[Friction], velocity: Array, moving: Array) -> 
     dict of str to ndarray
         N m (N for prismatic joints), of the shape of `velocity`; what depends on the load is not in it.
     """
-    law = _law(laws)
+    law = _law(tuple(laws))
     dry = law.dry(law.coulomb, moving)
     if law.excess.any():
         dry = dry + law.dry(law.excess, moving) * law.decay(velocity)
@@ -281,7 +284,7 @@ def friction_along(laws: Sequence[Friction], velocity: Piecewise, direction: Pie
     -------
     dict of str to Piecewise
     """
-    law, ways = _law(laws), direction.coefficients[0]
+    law, ways = _law(tuple(laws)), direction.coefficients[0]
     dry = direction.stepwise(law.dry(law.coulomb, ways))
     if law.excess.any():
         # Between the turns of the velocity its decay has no peak inside an interval, where a fit could miss it.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Any, TypeVar, final
 
 import numpy as np
@@ -18,7 +19,7 @@ from puma_septic.quantities import QUANTITIES
 from puma_septic.robot._actuator import Actuator
 from puma_septic.robot.meshes import Geometry
 from puma_septic.robot.values import Limits, Payload, Wrench
-from puma_septic.validation import Array, checked_array, checked_choice
+from puma_septic.validation import Array, checked_array, checked_choice, read_only
 from puma_septic.views import robot as view
 
 __all__ = ["Robot"]
@@ -99,22 +100,18 @@ class Robot:
     is_prismatic: NDArray[np.bool_] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "drivetrains", tuple(self.drivetrains))
         self._check_consistent()
         joints = [self.bare_model.joints[self.bare_model.getJointId(name)] for name in self.joint_names]
-        friction = tuple(train.joint_friction for train in self.drivetrains)
-        object.__setattr__(self, "friction", friction)
         derived = {
             "_index_q": np.array([joint.idx_q for joint in joints]),
             "_index_v": np.array([joint.idx_v for joint in joints]),
             "is_continuous": np.array([joint.nq == 2 for joint in joints]),
             "is_prismatic": np.array([joint.shortname().startswith("JointModelP") for joint in joints]),
-            "transmission": np.array([train.transmission for train in self.drivetrains]),
-            "armature": np.nan_to_num([train.reflected_inertia for train in self.drivetrains]),
-            "viscous_friction": np.nan_to_num([law.viscous for law in friction]),
-            "coulomb_friction": np.nan_to_num([law.coulomb for law in friction]),
         }
-        for name, value in derived.items():
+        for value in derived.values():
             value.setflags(write=False)
+        for name, value in (derived | _joint_side(self.drivetrains)).items():
             object.__setattr__(self, name, value)
         object.__setattr__(self, "model", self._loaded_model())
 
@@ -322,6 +319,19 @@ class Robot:
 
     def _repr_html_(self) -> str:
         return view.html(self.to_dict())
+
+
+@lru_cache(maxsize=16)
+def _joint_side(drivetrains: tuple[Drivetrain, ...]) -> dict[str, Any]:
+    """What a robot has of its drivetrains; kept, as robots that differ in payload or limits share it."""
+    friction = tuple(train.joint_friction for train in drivetrains)
+    return {
+        "friction": friction,
+        "transmission": read_only([train.transmission for train in drivetrains]),
+        "armature": read_only(np.nan_to_num([train.reflected_inertia for train in drivetrains])),
+        "viscous_friction": read_only(np.nan_to_num([law.viscous for law in friction])),
+        "coulomb_friction": read_only(np.nan_to_num([law.coulomb for law in friction])),
+    }
 
 
 def _instance(name: str, value: _Value, kind: type[_Value]) -> _Value:

@@ -49,8 +49,8 @@ _HOMES: Final = {
     "compare": "comparison",
     "compute_motion": "motion",
     "cycle": "cycle",
-    "fit_residual": "profiles.logged",
-    "fit_trajectory": "profiles.logged",
+    "fit_residual": "logs",
+    "fit_trajectory": "logs",
     "forward_kinematics": "kinematics",
     "inverse_dynamics": "dynamics",
     "inverse_kinematics": "kinematics",
@@ -70,9 +70,10 @@ _HOMES: Final = {
     "plots": "plots",
     "profiles": "profiles",
     "quintic_segments": "profiles",
-    "read_csv_trajectory": "profiles.logged",
+    "read_csv_trajectory": "logs",
     "read_joint_trajectories": "ros",
     "read_joint_trajectory": "ros",
+    "read_log": "logs",
     "replay": "viewer",
     "replay_html": "viewer",
     "report_html": "report.page",
@@ -123,6 +124,10 @@ if TYPE_CHECKING:
     from puma_septic.kinematics import inverse_kinematics_batch as inverse_kinematics_batch
     from puma_septic.kinematics import jacobian as jacobian
     from puma_septic.kinematics import tool_motion as tool_motion
+    from puma_septic.logs import fit_residual as fit_residual
+    from puma_septic.logs import fit_trajectory as fit_trajectory
+    from puma_septic.logs import read_csv_trajectory as read_csv_trajectory
+    from puma_septic.logs import read_log as read_log
     from puma_septic.motion import Motion as Motion
     from puma_septic.motion import compute_motion as compute_motion
     from puma_septic.optimisation import least_time as least_time
@@ -132,9 +137,6 @@ if TYPE_CHECKING:
     from puma_septic.profiles import lspb as lspb
     from puma_septic.profiles import quintic_segments as quintic_segments
     from puma_septic.profiles import septic as septic
-    from puma_septic.profiles.logged import fit_residual as fit_residual
-    from puma_septic.profiles.logged import fit_trajectory as fit_trajectory
-    from puma_septic.profiles.logged import read_csv_trajectory as read_csv_trajectory
     from puma_septic.report.page import report_html as report_html
     from puma_septic.report.page import write_report as write_report
     from puma_septic.robot import Actuator as Actuator

@@ -43,7 +43,8 @@ def assert_feasible(
     Raises
     ------
     AssertionError
-        With a table of the limits that are not kept: joint, quantity, demand, limit, instant and margin.
+        With a table of the limits that are not kept: joint, quantity, demand, limit, instant and margin; or with what
+        must be settled before a verdict.
     InputError
         For a margin outside [0, 1], or a name in `ignore` that is neither a joint nor a quantity.
 
@@ -59,6 +60,8 @@ def assert_feasible(
     failed = [check for check in assessment.keeps(margin) if ignored.isdisjoint(_names(check))]
     if failed:
         raise AssertionError(unmet_text(failed, assessment.not_assessed, margin))
+    if assessment.undecided:
+        raise AssertionError("undecided: " + "; ".join(assessment.undecided))
 
 
 def assert_trajectory_ok(

@@ -22,6 +22,8 @@ _ORDERS = np.arange(4.0)[:, None, None]
 # A step below this part of the largest value of its kind is none: of position, velocity, acceleration and jerk. The
 # acceleration of a series that was fitted to 1e-11 has lost four digits, and its steps make the jerk infinite.
 _JUMP_TOLERANCE = np.array([1e-9, 1e-9, 1e-7, 1e-9])
+# More points than this are the samples of a recorded motion, and their marks a broad line.
+_MOST_MARKED = 100
 # Positions that differ by less than this part are one.
 _SAME = 1e-13
 # What a profile's arithmetic makes of one rounding of a coefficient or a time: the worst measured is 14, over all
@@ -57,6 +59,8 @@ class Trajectory:
         Travel in rad (m) that does not count as motion, such as the dead band of a recorded signal: reversals within it
         are none, and a joint that stays within it for `REST_TIME` or longer is at rest. At least `STILL` counts as
         nothing in any motion.
+    doubts : tuple of str
+        What must be settled before a verdict, such as the noise or the units of a log; none of a planned motion.
 
     Raises
     ------
@@ -79,6 +83,7 @@ class Trajectory:
     rest_before: bool = True
     rest_after: bool = True
     resolution: ArrayLike = 0.0
+    doubts: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         times = checked_times("times", self.times)
@@ -155,6 +160,12 @@ class Trajectory:
         decides nothing; see `find_directions`.
         """
         return find_directions(self.position, np.asarray(self.resolution))
+
+    @property
+    def marked(self) -> tuple[Array, Array]:
+        """Times (k,) and points (k, n_joints) that a picture marks: all, or both ends of a recorded motion's many."""
+        some = slice(None) if len(self.times) <= _MOST_MARKED else slice(None, None, len(self.times) - 1)
+        return self.times[some], self.points[some]
 
     @property
     def excerpt(self) -> Trajectory:

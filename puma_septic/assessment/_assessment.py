@@ -203,13 +203,23 @@ class Assessment:
 
     @property
     def verdict(self) -> str:
-        """One sentence: feasible or not, and the limit that governs."""
+        """One sentence: feasible or not, and the limit that governs; or why that cannot be decided."""
+        if self.undecided:
+            return "undecided: " + "; ".join(self.undecided)
         return verdict(("feasible", "infeasible"), self.violations, self.worst)
 
     @property
     def is_feasible(self) -> bool:
-        """Whether no known limit is broken and no unbounded torque is needed (as a step in velocity would)."""
-        return not self.violations
+        """Whether no known limit is broken and no unbounded torque is needed (as a step in velocity would).
+
+        Never where the motion itself is in doubt; see `undecided`.
+        """
+        return not self.violations and not self.undecided
+
+    @property
+    def undecided(self) -> tuple[str, ...]:
+        """What must be settled before a verdict, such as the noise or the units of a log; none for a planned motion."""
+        return self.motion.trajectory.doubts
 
     @property
     def not_assessed(self) -> tuple[str, ...]:
@@ -231,7 +241,8 @@ class Assessment:
     @property
     def remarks(self) -> tuple[str, ...]:
         """What a reader must know to read the numbers right."""
-        return (*self.motion.robot.notes, *_static_friction_remarks(self), *_friction_step_remarks(self))
+        doubts = (f"undecided: {doubt}" for doubt in self.undecided)
+        return (*doubts, *self.motion.robot.notes, *_static_friction_remarks(self), *_friction_step_remarks(self))
 
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready document; numbers in SI units, "unbounded" for infinity, null for what is not known."""
@@ -245,6 +256,7 @@ class Assessment:
             "dwell": self.dwell,
             "verdict": self.verdict,
             "is_feasible": self.is_feasible,
+            "undecided": list(self.undecided),
             "joints": [self._joint_document(j) for j in range(robot.n_joints)],
             "tool": {key: plain(getattr(self.tool, key)) for key in _TOOL},
             "singularities": [

@@ -35,7 +35,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         0: all shown profiles of the task are feasible (`ik`: each pose has a branch within limits; `paper`: always).
         1: one of them violates a limit. 2: bad input, told in one line on stderr; a pose out of reach is one, and so is
-        a place that cannot be written to. 70: a fault of the program itself, with what to report. 130: interrupted.
+        a place that cannot be written to. 3: undecided; the noise or the units of a recorded motion leave
+        open whether it keeps its limits. 70: a fault of the program itself, with what to report. 130: interrupted.
     """
     given = list(sys.argv[1:] if argv is None else argv)
     try:

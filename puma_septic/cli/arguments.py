@@ -12,6 +12,7 @@ from typing import NamedTuple, NoReturn
 from puma_septic._version import __version__
 from puma_septic.cli.choosing import COMPARE, OPTIMISE, PROFILES, add_compare, add_optimise, add_profiles
 from puma_septic.cli.gate import CHECK, add_check
+from puma_septic.cli.recording import add_recording
 from puma_septic.cli.sizing import SIZE, add_size
 
 __all__ = ["Answer", "parse"]
@@ -40,8 +41,8 @@ def parse(argv: Sequence[str] | None) -> Namespace:
     parser = _Parser(
         prog="puma-septic",
         description="Joint trajectories of robot arms, held against what the motors can do.",
-        epilog="Exit code: 0 all shown profiles are feasible, 1 one of them violates a limit, 2 bad input,"
-        " 70 a fault of the program.",
+        epilog="Exit code: 0 all shown profiles are feasible, 1 one of them violates a limit, 2 bad input, 3 undecided:"
+        " the noise or the units of a recorded motion leave it open, 70 a fault of the program.",
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"puma-septic {__version__}")
@@ -59,6 +60,7 @@ def parse(argv: Sequence[str] | None) -> Namespace:
     optimise = _command(
         commands, "optimise", "via times chosen for one or more objectives, or the least time", OPTIMISE
     )
+    add_recording(compare)
     for choosing, add in ((compare, add_compare), (optimise, add_optimise)):
         _add_task(choosing)
         add(choosing)
@@ -69,6 +71,7 @@ def parse(argv: Sequence[str] | None) -> Namespace:
     size.add_argument("--payload", type=_not_negative, metavar="KG", help="a point mass at the tool's origin")
     size.add_argument("--dwell", type=_not_negative, metavar="S", help="rest after each motion")
     add_size(size)
+    add_recording(size)
     # argparse takes -1e-3 (before Python 3.14) and -1,0 for options; after a space it is a value, and the same number.
     given = sys.argv[1:] if argv is None else argv
     return parser.parse_args([f" {text}" if _NEGATIVE.fullmatch(text) else text for text in given])
@@ -137,14 +140,7 @@ def _add_assess(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--no-png", action="store_true", help="with --out: leave out the PNG figures, which take seconds"
     )
-    log = parser.add_argument_group("a motion from elsewhere, instead of TASK")
-    log.add_argument("--csv", metavar="FILE", help="columns t (s) and one for each joint (rad, m), rest at both ends")
-    log.add_argument(
-        "--smoothing", type=_positive, metavar="RAD", help="RMS residual that the spline may leave; else interpolated"
-    )
-    log.add_argument(
-        "--max-gap", type=_positive, metavar="S", help="longest step of time (10 times the usual one by default)"
-    )
+    add_recording(parser)
 
 
 def _add_ik(parser: ArgumentParser) -> None:
@@ -180,6 +176,7 @@ def _add_replay(parser: ArgumentParser) -> None:
     parser.add_argument("--html", metavar="FILE", help="write one HTML file, which works offline, instead of serving")
     parser.add_argument("--port", type=int, metavar="N", help="wanted; another is chosen where it is taken")
     parser.add_argument("--no-browser", action="store_true", help="print the address without opening a browser")
+    add_recording(parser)
 
 
 def _add_task(parser: ArgumentParser) -> None:

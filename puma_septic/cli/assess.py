@@ -30,9 +30,6 @@ def run(arguments: Namespace) -> Answer:
     if arguments.csv is not None:  # SciPy, which fits it, takes longer to load than a task to assess
         answer: Answer = import_module("puma_septic.cli.log").run_log(arguments)
         return answer
-    for name in ("smoothing", "max_gap"):
-        if getattr(arguments, name) is not None:
-            raise InputError(f"--{name.replace('_', '-')} goes with --csv")
     asked = [_assessed(arguments, PAPER)]
     shown = asked if arguments.task is not None else [*asked, _assessed(arguments, TURNED)]
     if arguments.format == "json":

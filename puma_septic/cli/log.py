@@ -1,10 +1,11 @@
-"""``puma-septic assess --csv FILE``: a motion that was logged or planned elsewhere."""
+"""``--csv FILE``: a motion that was recorded or planned elsewhere."""
 
 from __future__ import annotations
 
 from argparse import Namespace
+from dataclasses import dataclass, replace
 from importlib import import_module
-from typing import Any, Final
+from typing import Any, Final, final
 
 import numpy as np
 
@@ -15,47 +16,173 @@ from puma_septic.cli.tasks import asked_robot
 from puma_septic.cli.texts import margin_text, wrapped
 from puma_septic.document import SCHEMAS
 from puma_septic.errors import InputError
-from puma_septic.profiles.logged import JointLog, fit_residual, fit_trajectory, read_csv_trajectory
+from puma_septic.logs import JointLog, LogFit, fit_log, fit_residual, read_log
+from puma_septic.measurement import MeasuredTorque, TorqueBand, compare_measured, limit_doubts, torque_band
+from puma_septic.motion import Motion, compute_motion
 from puma_septic.report import named_metrics_csv, new_folder, profile_labels, samples_csv, to_json
 from puma_septic.robot import Payload, Robot, load_robot
 from puma_septic.validation import Array
 from puma_septic.views.tables import number
 
-__all__ = ["run_log"]
+__all__ = ["Recorded", "recorded", "run_log", "told"]
 
+UNDECIDED: Final = 3
 # A step this many times the usual one is a gap, over which a spline would invent a motion.
 _GAP: Final = 10
 
 
-def run_log(arguments: Namespace) -> Answer:
-    """Assess the motion of a CSV file on the asked robot, telling what its fit leaves over."""
-    for name, value in (("TASK", arguments.task), ("--profile", arguments.profile), ("--branch", arguments.branch)):
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Recorded:
+    """A file's motion on the asked robot, and what its samples leave unknown; `band` is None without noise."""
+
+    path: str
+    log: JointLog
+    fit: LogFit
+    motion: Motion
+    band: TorqueBand | None
+    smoothing: str | float | None
+
+    @property
+    def robot(self) -> Robot:
+        """The arm."""
+        return self.motion.robot
+
+
+def recorded(arguments: Namespace) -> Recorded:
+    """The motion of ``--csv``, in doubt where noise hides whether a limit is kept."""
+    for name, value in (("TASK", arguments.task), ("--branch", arguments.branch)):
         if value is not None:
             raise InputError(f"{name} does not go with --csv: the file has the points, and a spline goes through them")
     section = asked_robot(arguments, {})
     robot = load_robot(section.pop("source", "puma560"), **section)
-    if arguments.payload is not None:
+    if getattr(arguments, "payload", None) is not None:
         robot = robot.with_payload(Payload(mass=arguments.payload))
-    log = _read(arguments)
-    trajectory = fit_trajectory(
-        log.t, _columns(arguments.csv, log, robot), smoothing=arguments.smoothing, joint_names=robot.joint_names
+    columns = {name: column for part in arguments.columns or () for name, column in part.items()}
+    log = read_log(
+        arguments.csv,
+        robot,
+        columns=columns,
+        units=arguments.units or (),
+        repeated=arguments.repeated or "refuse",
+        max_gap=arguments.max_gap,
     )
-    assessment = assess(robot, trajectory, dwell=arguments.dwell or 0.0)
-    document = _document(arguments, assessment)
-    name = str(arguments.csv)
+    _check_gaps(arguments, log)
+    fit = fit_log(
+        log,
+        smoothing=arguments.smoothing,
+        resolution=arguments.resolution,
+        ends=arguments.ends or "auto",
+        bounds=robot.limits.position,
+    )
+    motion = compute_motion(robot, fit.trajectory)
+    band = torque_band(motion, fit) if fit.noise.any() else None
+    doubts = () if band is None else limit_doubts(motion, fit, band)
+    if doubts:
+        doubted = replace(fit.trajectory, doubts=(*fit.trajectory.doubts, *doubts))
+        motion = replace(motion, trajectory=doubted)
+    return Recorded(path=str(arguments.csv), log=log, fit=fit, motion=motion, band=band, smoothing=arguments.smoothing)
+
+
+def run_log(arguments: Namespace) -> Answer:
+    """Assess the motion of a CSV file on the asked robot, telling what its fit leaves over."""
+    if arguments.profile is not None:
+        raise InputError("--profile does not go with --csv: the file has the points, and a spline goes through them")
+    if arguments.no_png and arguments.out is None:
+        raise InputError("--no-png goes with --out: name the folder to write into")
+    what = recorded(arguments)
+    assessment = assess(what.motion, dwell=arguments.dwell or 0.0)
+    measured = _measured(what)
+    document = to_json(_document(what, assessment, measured)) if arguments.format == "json" or arguments.out else ""
     if arguments.format == "json":
-        text = to_json(document)
+        text = document
     elif arguments.format == "csv":
-        text = named_metrics_csv([(name, [assessment])])
+        text = named_metrics_csv([(what.path, [assessment])])
     else:
-        text = _text(arguments, assessment)
+        margin = [margin_text([assessment], arguments.margin)] if arguments.margin else []
+        more = [wrapped(str(one)) for one in measured]
+        text = "\n\n".join([told(what), *margin, wrapped(str(assessment)), *more])
     if arguments.out is not None:
-        _write_folder(arguments, assessment, document)
+        notes = [*_lines(what)[:-1], *(line for one in measured for line in str(one).splitlines())]
+        _write_folder(arguments, assessment, document, notes)
+    if assessment.undecided:
+        return Answer(text, UNDECIDED)
     return Answer(text, 1 if assessment.keeps(arguments.margin) else 0)
 
 
-def _read(arguments: Namespace) -> JointLog:
-    log = read_csv_trajectory(arguments.csv, max_gap=arguments.max_gap)
+def told(what: Recorded) -> str:
+    """How the file was read and fitted, and what its noise leaves unknown, for the terminal."""
+    return "\n".join(wrapped(line) for line in _lines(what))
+
+
+def _lines(what: Recorded) -> list[str]:
+    fit, robot, log = what.fit, what.robot, what.log
+    joints = robot.joint_names
+    residual = fit_residual(fit.trajectory)
+    j = int(np.argmax(residual.max))
+    return [
+        f"File {what.path}: {len(log.t)} rows from {log.t[0]:.9g} s to {log.t[-1]:.9g} s"
+        + (f" after the stamp {log.origin}" if log.t[0] == 0 and float(log.origin) else "")
+        + f", {_way(fit)}",
+        *(f"Read: {note}" for note in log.notes),
+        f"Ends: {_ends(fit)}",
+        f"Largest residual: {number(float(residual.max[j]))} rad ({joints[j]}); RMS at most"
+        f" {number(float(residual.rms.max()))} rad",
+        *_noise_lines(what),
+        f"Robot: {robot.name}, tool {robot.tool!r}",
+    ]
+
+
+def _way(fit: LogFit) -> str:
+    intervals = len(fit.trajectory.breaks) - 1
+    if fit.spread.is_regularised:
+        return f"smoothed by the quintic spline of greatest restricted likelihood, {intervals} intervals"
+    if fit.spread.parts:
+        return f"smoothed by the least-squares quintic spline, {intervals} intervals"
+    return "interpolated by a quintic spline"
+
+
+def _ends(fit: LogFit) -> str:
+    before, after = fit.trajectory.rest_before, fit.trajectory.rest_after
+    if before and after:
+        return "at rest at both"
+    moving = "both" if not (before or after) else "the start" if after else "the end"
+    return f"moving at {moving}: an excerpt, of which nothing is assumed beyond"
+
+
+def _noise_lines(what: Recorded) -> list[str]:
+    """Noise, jitter, encoder steps, dead band and band, as far as there are any."""
+    fit, joints = what.fit, what.robot.joint_names
+    lines = []
+    if fit.encoder_step.any():
+        lines.append(f"Positions step by {_each(joints, fit.encoder_step)} rad")
+    if fit.noise.any():
+        jitter = f"; stamps are off by {number(fit.jitter)} s RMS" if fit.jitter else ""
+        lines.append(f"Noise of a sample: {_each(joints, fit.noise)} rad{jitter}")
+    resolution = np.asarray(fit.trajectory.resolution)
+    if resolution.any():
+        lines.append(f"Taken for rest: travel within {_each(joints, resolution)} rad over 0.1 s or longer")
+    if fit.wraps.any():
+        turns = (f"{joints[j]} {fit.wraps[j]}" for j in np.flatnonzero(fit.wraps))
+        lines.append(f"Jumps by a turn that were taken out: {', '.join(turns)}")
+    if what.band is not None:
+        for name, (least, greatest) in (("Peak", what.band.peak), ("RMS", what.band.rms)):
+            spans = (
+                f"{joint} {low:.4g} to {high:.4g}" for joint, low, high in zip(joints, least, greatest, strict=True)
+            )
+            lines.append(f"{name} torque within (95 %): {', '.join(spans)} N m")
+    return lines
+
+
+def _each(joints: tuple[str, ...], values: Array) -> str:
+    """The range over the joints that have one."""
+    some = values[values > 0]
+    low, high = float(some.min()), float(some.max())
+    whose = "" if len(some) == len(joints) else f" ({', '.join(joints[j] for j in np.flatnonzero(values > 0))})"
+    return (f"{low:.3g}" if high <= 1.005 * low else f"{low:.3g} to {high:.3g}") + whose
+
+
+def _check_gaps(arguments: Namespace, log: JointLog) -> None:
     steps = np.diff(log.t)
     usual, k = float(np.median(steps)), int(np.argmax(steps))
     if arguments.max_gap is None and steps[k] > _GAP * usual:
@@ -63,60 +190,54 @@ def _read(arguments: Namespace) -> JointLog:
             f"{arguments.csv}: nothing between t = {log.t[k]:g} s and {log.t[k + 1]:g} s, where rows are mostly"
             f" {usual:g} s apart; --max-gap {1.02 * steps[k]:.3g} takes it for sampling"
         )
-    return log
 
 
-def _columns(path: str, log: JointLog, robot: Robot) -> Array:
-    """The log's positions in the robot's order; the file may have its columns in any."""
-    joints = ", ".join(robot.joint_names)
-    for name in log.joint_names:
-        if name not in robot.joint_names:
-            raise InputError(f"{path}, row 1: robot {robot.name!r} has no joint {name!r}; valid: {joints}")
-    for name in robot.joint_names:
-        if name not in log.joint_names:
-            raise InputError(f"{path}, row 1: no column for joint {name!r} of robot {robot.name!r}; needed: {joints}")
-    return log.q[:, [log.joint_names.index(name) for name in robot.joint_names]]
-
-
-def _text(arguments: Namespace, assessment: Assessment) -> str:
-    trajectory, robot = assessment.motion.trajectory, assessment.motion.robot
-    residual = fit_residual(trajectory)
-    j = int(np.argmax(residual.max))
-    way = "interpolated by" if arguments.smoothing is None else f"smoothed to {arguments.smoothing:g} rad RMS by"
-    lines = [
-        f"File {arguments.csv}: {len(trajectory.times)} rows from {trajectory.times[0]:g} s to"
-        f" {trajectory.times[-1]:g} s, {way} a quintic spline that is at rest at both ends",
-        f"Largest residual: {number(float(residual.max[j]))} rad ({robot.joint_names[j]}); RMS at most"
-        f" {number(float(residual.rms.max()))} rad",
-        f"Robot: {robot.name}, tool {robot.tool!r}",
+def _measured(what: Recorded) -> list[MeasuredTorque]:
+    """What the file has of torques and currents, against the computed ones."""
+    times = what.fit.trajectory.times
+    signals = {"effort": what.log.effort, "current": what.log.current}
+    return [
+        compare_measured(what.motion, times, **{name: values}) for name, values in signals.items() if values is not None
     ]
-    head = "\n".join(wrapped(line) for line in lines)
-    margin = [margin_text([assessment], arguments.margin)] if arguments.margin else []
-    return "\n\n".join([head, *margin, wrapped(str(assessment))])
 
 
-def _document(arguments: Namespace, assessment: Assessment) -> dict[str, Any]:
-    trajectory = assessment.motion.trajectory
+def _document(what: Recorded, assessment: Assessment, measured: list[MeasuredTorque]) -> dict[str, Any]:
+    fit, trajectory = what.fit, what.fit.trajectory
     residual = fit_residual(trajectory)
     return {
         "schema": SCHEMAS["assess-log"],
         "version": __version__,
         "is_feasible": assessment.is_feasible,
-        "file": str(arguments.csv),
-        "joint_names": list(assessment.motion.robot.joint_names),
+        "undecided": list(assessment.undecided),
+        "file": what.path,
+        "joint_names": list(what.robot.joint_names),
         "rows": len(trajectory.times),
-        "smoothing": arguments.smoothing,
+        "first_stamp": what.log.origin,
+        "read": list(what.log.notes),
+        "fit": _way(fit),
+        "smoothing": what.smoothing,
+        "rest_before": trajectory.rest_before,
+        "rest_after": trajectory.rest_after,
+        "noise": fit.noise.tolist(),
+        "stamp_jitter": fit.jitter,
+        "encoder_step": fit.encoder_step.tolist(),
+        "resolution": np.asarray(trajectory.resolution).tolist(),
+        "unwrapped": fit.wraps.tolist(),
         "residual": {"max": residual.max.tolist(), "rms": residual.rms.tolist()},
+        "band": None if what.band is None else what.band.to_dict(),
+        "measured": [one.to_dict() for one in measured],
         "assessment": assessment.to_dict(),
     }
 
 
-def _write_folder(arguments: Namespace, assessment: Assessment, document: dict[str, Any]) -> None:
+def _write_folder(arguments: Namespace, assessment: Assessment, document: str, notes: list[str]) -> None:
     page = import_module("puma_septic.report.page")
     pictures = import_module("puma_septic.pictures").assessment_pictures([assessment], profile_labels([assessment]))
     with new_folder(arguments.out) as folder:
-        (folder / "report.html").write_text(page.report_html(assessment, title=str(arguments.csv)), encoding="utf-8")
-        (folder / "assessment.json").write_text(to_json(document), encoding="utf-8")
+        (folder / "report.html").write_text(
+            page.report_html(assessment, title=str(arguments.csv), notes=notes), encoding="utf-8"
+        )
+        (folder / "assessment.json").write_text(document, encoding="utf-8")
         (folder / "metrics.csv").write_text(named_metrics_csv([(str(arguments.csv), [assessment])]), encoding="utf-8")
         (folder / "samples.csv").write_text(samples_csv(assessment), encoding="utf-8")
         import_module("puma_septic.report.svg").write_svg(folder, pictures)

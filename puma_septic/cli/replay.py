@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import sys
 from argparse import Namespace
+from collections.abc import Sequence
+from importlib import import_module
 
+from puma_septic.assessment import Assessment, assess
 from puma_septic.cli.arguments import Answer
 from puma_septic.cli.tasks import asked_task
+from puma_septic.errors import InputError
 from puma_septic.task import assess_task, resolve_task
 from puma_septic.viewer import replay, write_replay
 
@@ -15,9 +19,7 @@ __all__ = ["run"]
 
 def run(arguments: Namespace) -> Answer:
     """Write the replay to a file, or serve it until Ctrl-C."""
-    resolved = resolve_task(asked_task(arguments, "paper"))
-    assessments = assess_task(resolved)
-    title = f"{resolved.task.name}, {resolved.robot.name}"
+    assessments, title = _shown(arguments)
     if arguments.html is not None:
         path = write_replay(arguments.html, assessments, title=title)
         return Answer(f"{path}: {path.stat().st_size / 1e6:.1f} MB, works offline; open it in a browser", 0)
@@ -30,3 +32,14 @@ def run(arguments: Namespace) -> Answer:
         sys.stdout.flush()
         page.wait()
     return Answer("replay ended", 0)
+
+
+def _shown(arguments: Namespace) -> tuple[Sequence[Assessment], str]:
+    """The profiles of a task, or the motion of a file, and their title."""
+    if arguments.csv is not None:  # SciPy, which fits it, takes a while to load
+        if arguments.profile is not None:
+            raise InputError("--profile does not go with --csv: the file has the points")
+        what = import_module("puma_septic.cli.log").recorded(arguments)
+        return [assess(what.motion)], f"{what.path}, {what.robot.name}"
+    resolved = resolve_task(asked_task(arguments, "paper"))
+    return assess_task(resolved), f"{resolved.task.name}, {resolved.robot.name}"

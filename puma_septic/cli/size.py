@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Final
+from typing import Any, Final, final
 
 from puma_septic.cli.arguments import Answer
 from puma_septic.cli.tasks import asked_task
@@ -33,12 +34,50 @@ _KEPT: Final = 3
 
 def run(arguments: Namespace) -> Answer:
     """Size the arm's own drives, or choose from a catalogue."""
-    resolved = resolve_task(asked_task(arguments, "paper"))
-    cycle = _cycle(resolved, one_way=arguments.one_way)
+    asked = _asked(arguments)
+    cycle = asked.cycle
     found = _own_sizing(arguments, cycle) if arguments.catalogue is None else _selection(arguments, cycle)
     if arguments.out is not None:
-        _write_folder(arguments.out, found, f"{resolved.task.name}: sizing")
-    return Answer(_text(arguments, resolved, found), 0 if found.is_feasible else 1)
+        _write_folder(arguments.out, found, f"{asked.name}: sizing")
+    return Answer(_text(arguments, asked, found), asked.code or (0 if found.is_feasible else 1))
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class _Asked:
+    """A cycle and where it comes from; `code` is an exit code that stands whatever the drives can do, or 0."""
+
+    name: str
+    cycle: Cycle
+    head: str
+    document: dict[str, Any]
+    code: int = 0
+
+
+def _asked(arguments: Namespace) -> _Asked:
+    """The cycle of a task, or of a recorded motion as it is, with the asked rest."""
+    if arguments.csv is None:
+        resolved = resolve_task(asked_task(arguments, "paper"))
+        return _Asked(
+            name=resolved.task.name,
+            cycle=_cycle(resolved, one_way=arguments.one_way),
+            head=f"Task {resolved.task.name!r}, profile {resolved.trajectories[0].profile}",
+            document={"task": resolved.task.document()},
+        )
+    if arguments.profile is not None:
+        raise InputError("--profile does not go with --csv: the file has the points")
+    log = import_module("puma_septic.cli.log")  # SciPy, which fits it, takes a while to load
+    what = log.recorded(arguments)
+    doubts = list(what.motion.trajectory.doubts)
+    undecided = "".join(f"\nUndecided: {doubt}" for doubt in doubts)
+    rest = (Dwell(duration=arguments.dwell),) if arguments.dwell else ()
+    return _Asked(
+        name=what.path,
+        cycle=Cycle(steps=(what.motion, *rest)),
+        head=f"{log.told(what)}{undecided}\nThe cycle is the recorded motion alone",
+        document={"file": what.path, "undecided": doubts},
+        code=log.UNDECIDED if doubts else 0,
+    )
 
 
 def _cycle(resolved: ResolvedTask, *, one_way: bool) -> Cycle:
@@ -88,13 +127,13 @@ def _catalogue(files: list[str]) -> Catalogue:
     return load_catalogue(*files)
 
 
-def _text(arguments: Namespace, resolved: ResolvedTask, found: Sizing | Selection) -> str:
+def _text(arguments: Namespace, asked: _Asked, found: Sizing | Selection) -> str:
     if arguments.format == "json":
-        return to_json({"task": resolved.task.document(), **found.to_dict()})
+        return to_json({**asked.document, **found.to_dict()})
     if arguments.format == "csv":
         return checks_csv(found) if isinstance(found, Sizing) else pairs_csv(found)
     steps = [_step(step) for step in found.cycle.steps]
-    head = f"Task {resolved.task.name!r}, profile {resolved.trajectories[0].profile}: {', '.join(steps)}"
+    head = f"{asked.head}: {', '.join(steps)}"
     return "\n\n".join([wrapped(head), wrapped(str(found)), *_more(found)])
 
 

@@ -6,6 +6,8 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
+from puma_septic.cli.recording import RECORDING
+from puma_septic.errors import InputError
 from puma_septic.task import Task, load_task, make_task
 
 __all__ = ["asked_robot", "asked_task"]
@@ -16,6 +18,9 @@ def asked_task(arguments: Namespace, default: str) -> Task:
 
     Another robot replaces the whole section ``robot``; its parameters, limits and tool would not fit.
     """
+    for name in RECORDING:
+        if getattr(arguments, name, None) is not None:
+            raise InputError(f"--{name.replace('_', '-')} goes with --csv")
     task = load_task(arguments.task if arguments.task is not None else default)
     document = task.document()
     changes: dict[str, Any] = {"robot": asked_robot(arguments, document.get("robot", {}))}

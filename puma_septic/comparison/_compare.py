@@ -12,6 +12,7 @@ from puma_septic.comparison._suitability import make_profiles
 from puma_septic.errors import InputError
 from puma_septic.objectives import Candidate, checked_objectives
 from puma_septic.robot import Robot
+from puma_septic.trajectory import Trajectory
 from puma_septic.validation import checked_array, checked_number, checked_times
 
 __all__ = ["compare"]
@@ -24,6 +25,7 @@ def compare(
     *,
     profiles: Sequence[str] | None = None,
     options: Mapping[str, Mapping[str, Any]] | None = None,
+    beside: Mapping[str, Trajectory] | None = None,
     dwell: float = 0.0,
     objectives: Sequence[str] = ("integral_of_squared_jerk", "overshoot", "via_miss"),
 ) -> Comparison:
@@ -41,6 +43,8 @@ def compare(
     options : mapping, optional
         Profile name to keyword arguments of its function. Where a blend time is needed and not given, it is half
         the shortest segment.
+    beside : mapping, optional
+        Other motions of the robot to be measured with them, such as a recorded one, by name.
     dwell : float
         Rest after the motion, in the root mean squares, s.
     objectives : sequence of str
@@ -71,6 +75,7 @@ def compare(
     dwell = checked_number("dwell", dwell, unit="s", at_least=0.0)
     chosen = checked_objectives(objectives)
     made, unsuitable = make_profiles(robot, vias, instants, names=profiles, options=options or {})
+    made = {**(beside or {}), **made}
     if not made:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in unsuitable.items())
         raise InputError(f"no profile suits these points and times: {reasons}")

@@ -140,6 +140,7 @@ class ComparedProfile:
             "overall": plain(self.overall),
             "joints": plain(self.per_joint),
             "is_feasible": self.assessment.is_feasible,
+            "undecided": list(self.assessment.undecided),
             "checks": [check.to_dict() for check in self.assessment.checks],
             "violations": [str(check) for check in self.assessment.violations],
             "singularities_crossed": dict(self.singularities_crossed),

@@ -203,7 +203,7 @@ def tool_picture(group: Sequence[Samples]) -> Picture:
     vias = [
         Mark(x=float(time), y=float(place[2]), dot=VIA)
         for one, points in zip(group, places, strict=True)
-        for time, place in zip(one.track.trajectory.times, points, strict=True)
+        for time, place in zip(one.track.trajectory.marked[0], points, strict=True)
     ]
     panels += [
         chart("time", heights, title=f"height of {tool}", y_label="z [m]", span=_span(group), marks=vias),
@@ -222,7 +222,7 @@ def tool_picture(group: Sequence[Samples]) -> Picture:
 def via_places(one: Samples) -> Array:
     """Where the tool is at the via points, shape (k, 3)."""
     motion = one.assessment.motion
-    return np.asarray(forward_kinematics(motion.robot, motion.trajectory.points)[:, :3, 3])
+    return np.asarray(forward_kinematics(motion.robot, motion.trajectory.marked[1])[:, :3, 3])
 
 
 def profile_entries(labels: Iterable[str]) -> tuple[Entry, ...]:
@@ -244,7 +244,8 @@ def _derivative_curve(one: Track, order: int, j: int, k: int) -> Curve:
 def _derivative_marks(one: Track, order: int, j: int, k: int) -> list[Mark]:
     """Via points of the position; an arrowhead where a lower derivative steps, so that this one is unbounded."""
     if order == 0:
-        vias = zip(one.trajectory.times.tolist(), one.trajectory.points[:, j].tolist(), strict=True)
+        times, points = one.trajectory.marked
+        vias = zip(times.tolist(), points[:, j].tolist(), strict=True)
         return [Mark(x=time, y=value, dot=VIA) for time, value in vias]
     hue = profile_line(k).hue
     return [

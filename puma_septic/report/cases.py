@@ -62,6 +62,13 @@ class Case:
     pictures: tuple[Picture, ...] = ()
     resolved: ResolvedTask | None = None
 
+    @property
+    def word(self) -> str:
+        """The verdict in one word."""
+        if any(one.undecided for one in self.assessments):
+            return "undecided"
+        return "feasible" if self.is_feasible else "infeasible"
+
 
 def case_of(what: Reported, title: str | None) -> Case:
     """The section of a value; its robot's name is the title where none is given.

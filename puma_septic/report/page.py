@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, final
 
@@ -58,7 +58,7 @@ class Section:
     times: list[list[float]]
 
 
-def report_html(what: Reported, *, title: str | None = None) -> str:
+def report_html(what: Reported, *, title: str | None = None, notes: Sequence[str] = ()) -> str:
     """The report of a motion, or of several side by side, as one HTML page.
 
     The verdict comes first; then how much of each limit is used, the replay, torque with its causes, the torque-speed
@@ -71,6 +71,8 @@ def report_html(what: Reported, *, title: str | None = None) -> str:
         Of one arm. Of a comparison the best profiles are drawn, and all are in its tables.
     title : str, optional
         Heading; the robot's name by default.
+    notes : sequence of str
+        What else a reader must know, such as how a log was read; it stands below the verdict.
 
     Raises
     ------
@@ -86,6 +88,9 @@ def report_html(what: Reported, *, title: str | None = None) -> str:
     ('<!DOCTYPE html>', True)
     """
     case = case_of(what, title)
+    if notes:
+        items = Markup("").join(Markup("<li>{}</li>").format(note) for note in notes)
+        case = replace(case, preface=Markup("<ul>{}</ul>").format(items) + case.preface)
     return _page(case.title, [_section(case)])
 
 
@@ -196,8 +201,9 @@ def _inputs(case: Case) -> tuple[str, str]:
                 "profile": one.motion.trajectory.profile,
                 "robot": one.motion.robot.name,
                 "tool": one.motion.robot.tool,
-                "points": one.motion.trajectory.points.tolist(),
-                "times": one.motion.trajectory.times.tolist(),
+                "points": one.motion.trajectory.marked[1].tolist(),
+                "times": one.motion.trajectory.marked[0].tolist(),
+                "samples": len(one.motion.trajectory.times),
                 "dwell": one.dwell,
             }
             for label, one in zip(case.labels, case.assessments, strict=True)

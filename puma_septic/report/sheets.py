@@ -22,6 +22,8 @@ __all__ = ["checks_csv", "load_profile_csv", "metrics_csv", "named_metrics_csv",
 
 # A fine line on a wide screen; the instants of steps are added.
 _SAMPLES: Final = 1001
+# A recorded motion has a break at every sample, at most of which nothing steps.
+_MOST_BREAKS: Final = 1000
 _SIGNALS: Final = tuple(QUANTITIES[name] for name in (*MOTION, "effort"))
 
 
@@ -47,7 +49,8 @@ def named_metrics_csv(groups: Sequence[tuple[str, Sequence[Assessment]]]) -> str
 def samples_csv(assessment: Assessment) -> str:
     """Position, velocity, acceleration, jerk and torque of every joint, sampled over the motion.
 
-    At a break of any of them there are two rows, whose side is "left" and "right": where a signal steps they differ.
+    At a break of any of them there are two rows, whose side is "left" and "right": where a signal steps they differ. A
+    motion with more than 1,000 breaks, as a recorded one has, has rows at even instants only.
     """
     robot = assessment.motion.robot
     signals = [assessment.motion.signal(signal.name) for signal in _SIGNALS]
@@ -93,6 +96,8 @@ def _sampled(series: Piecewise) -> tuple[Array, list[str], Array]:
     """Evenly spaced instants, and each break with the values of both its sides."""
     left, right = series.ends()
     grid = np.linspace(series.breaks[0], series.breaks[-1], _SAMPLES)
+    if len(left) > _MOST_BREAKS:
+        return _without_breaks(grid, series)
     times, sides, values = [], [], []
     for i, (start, end) in enumerate(zip(series.breaks[:-1], series.breaks[1:], strict=True)):
         inside = grid[(grid > start) & (grid < end)]
@@ -100,3 +105,7 @@ def _sampled(series: Piecewise) -> tuple[Array, list[str], Array]:
         sides += ["right", *[""] * len(inside), "left"]
         values.append(np.vstack([left[i], series(inside), right[i]]))
     return np.concatenate(times), sides, np.concatenate(values)
+
+
+def _without_breaks(grid: Array, series: Piecewise) -> tuple[Array, list[str], Array]:
+    return grid, [""] * len(grid), series(grid)

@@ -26,12 +26,17 @@ _STILL: Final = 1e-9
 
 
 def key_times(motion: Motion) -> Array:
-    """Instants of the key frames in s: all breaks of trajectory and torque, and between them as many as it takes."""
+    """Instants of the key frames in s: the breaks of trajectory and torque, and between them as many as it takes.
+
+    Of more breaks than key frames can be, as a recorded motion has, evenly spaced instants instead.
+    """
     trajectory = motion.trajectory
     fastest = max(float(trajectory.extrema(2).peak.max()), np.finfo(float).tiny)
     step = min(_LONGEST_STEP, float(np.sqrt(8 * ANGLE_ERROR / fastest)))
     step = max(step, trajectory.duration / _MOST_KEYS)
     breaks = np.union1d(trajectory.breaks, motion.torque.breaks)
+    if len(breaks) > _MOST_KEYS:  # of a recorded motion, in which nothing happens at most of them
+        return np.linspace(breaks[0], breaks[-1], _MOST_KEYS)
     counts = np.ceil(np.diff(breaks) / step).astype(int)
     spans = zip(breaks[:-1], breaks[1:], counts, strict=True)
     inner = [np.linspace(start, stop, count, endpoint=False) for start, stop, count in spans]

@@ -88,7 +88,7 @@ def shown(assessment: Assessment, label: str) -> Shown:
         speed=np.linalg.norm(tool.velocity, axis=1),
         used=utilisation(motion, times),
         elbows=_joint_places(robot, trajectory(times[:: max(1, len(times) // 50)])),
-        vias=_places(robot, trajectory.points),
+        vias=_places(robot, trajectory.marked[1]),
         flags=flags,
         flag_places=_places(robot, at_flags),
     )

@@ -87,13 +87,14 @@ def _motion_note(document: Document) -> str:
 
 
 def _remarks(document: Document) -> dict[str, list[str]]:
-    """What stands below the tables: singular postures and profiles left out."""
+    """What stands below the tables: what leaves a verdict open, singular postures and profiles left out."""
     crossing: dict[str, list[str]] = {}
     for row in document["profiles"]:
         if row["singularities_crossed"]:
             kinds = ", ".join(f"{kind} {count} times" for kind, count in row["singularities_crossed"].items())
             crossing.setdefault(kinds, []).append(row["name"])
     remarks = {
+        "Undecided:": list(dict.fromkeys(doubt for row in document["profiles"] for doubt in row["undecided"])),
         "Singular postures crossed:": [f"{kinds}: {', '.join(names)}" for kinds, names in crossing.items()],
         "Left out:": [f"{name}: {reason}" for name, reason in document["unsuitable"].items()],
     }

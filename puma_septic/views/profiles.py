@@ -32,7 +32,10 @@ def html(documents: Sequence[Document], labels: Sequence[str]) -> str:
 
 
 def sentence(documents: Sequence[Document], labels: Sequence[str]) -> str:
-    """Which profiles are feasible, and the joint, limit and instant that govern."""
+    """Which profiles are feasible, and the joint, limit and instant that govern; or what leaves it open."""
+    doubts = [doubt for document in documents for doubt in document["undecided"]]
+    if doubts:
+        return f"Undecided: {'; '.join(dict.fromkeys(doubts))}."
     good = [label for label, document in zip(labels, documents, strict=True) if document["is_feasible"]]
     pairs = [(check, label) for label, one in zip(labels, documents, strict=True) for check in _checks(one)]
     if not pairs:
@@ -50,7 +53,7 @@ def _row(document: Document, label: str) -> list[Cell]:
         governing = f"{worst.joint} {worst.label} {percent(worst.utilisation)}"
     return [
         label,
-        "feasible" if document["is_feasible"] else "infeasible",
+        "undecided" if document["undecided"] else "feasible" if document["is_feasible"] else "infeasible",
         governing,
         _most(document, "velocity"),
         _most(document, "effort"),

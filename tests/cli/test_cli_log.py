@@ -51,7 +51,7 @@ def test_the_text_tells_file_rows_and_residual(tmp_path: Path, capsys: pytest.Ca
     path = written(tmp_path / "log.csv", rows(101, noise=1e-4).tolist())
     assert main(["assess", "--csv", path, "--smoothing", "1.2e-4"]) == 0
     words = " ".join(capsys.readouterr().out.split())
-    assert "101 rows from 0 s to 2 s, smoothed to 0.00012 rad RMS by a quintic spline" in words
+    assert "101 rows from 0 s to 2 s, smoothed by the least-squares quintic spline" in words
     assert "Largest residual: 0.0004" in words  # four standard deviations in 606 samples
     assert "puma560, fit_trajectory, 2 s: feasible" in words
 
@@ -93,6 +93,9 @@ def test_the_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
     assert main(["assess", "--csv", path, "--format", "json", "--out", str(out)]) == 0
     assert json.loads((out / "assessment.json").read_text()) == json.loads(capsys.readouterr().out)
+    report = (out / "report.html").read_text()
+    assert "11 rows from 0 s to 2 s, interpolated by a quintic spline</li>" in report
+    assert "<li>Ends: at rest at both</li>" in report
     names = {file.name for file in out.iterdir()}
     assert {"report.html", "metrics.csv", "samples.csv", "torque.svg", "torque.png"} <= names
     assert {name[:-4] for name in names if name.endswith("svg")} == {name[:-4] for name in names if name[-3:] == "png"}
@@ -110,7 +113,7 @@ def test_the_folder_without_png(tmp_path: Path) -> None:
 GAP = [*rows().tolist()[:10], *rows().tolist()[30:]]
 TEXT = [[*row[:2], "x", *row[3:]] if k == 4 else row for k, row in enumerate(rows().tolist())]
 EMPTY = [[*row[:2], "", *row[3:]] if k == 4 else row for k, row in enumerate(rows().tolist())]
-TWICE = [*rows().tolist()[:5], *rows().tolist()[4:]]
+TWICE = [*rows().tolist()[:5], [*rows().tolist()[4][:1], *rows().tolist()[5][1:]], *rows().tolist()[5:]]
 
 
 @pytest.mark.parametrize(
@@ -120,8 +123,12 @@ TWICE = [*rows().tolist()[:5], *rows().tolist()[4:]]
         (TWICE, JOINTS, "row 7, column 't': 0.2 s does not come after 0.2 s in row 6"),
         (TEXT, JOINTS, "row 6, column 'joint2': 'x' is not a finite number"),
         (EMPTY, JOINTS, "row 6, column 'joint2': the value is missing"),
-        (rows().tolist(), [*JOINTS[:5], "wrist"], "robot 'puma560' has no joint 'wrist'; valid: joint1, joint2"),
-        (rows()[:, :6].tolist(), JOINTS[:5], "no column for joint 'joint6' of robot 'puma560'"),
+        (
+            rows().tolist(),
+            [*JOINTS[:5], "wrist"],
+            "no column for joint 'joint6'; the columns are 't', 'joint1', 'joint2', 'joint3', 'joint4', 'joint5', 'wri",
+        ),
+        (rows()[:, :6].tolist(), JOINTS[:5], "no column for joint 'joint6'; the columns are"),
         (rows().tolist()[:1], JOINTS, "1 rows of samples; at least two are needed"),
     ],
 )
@@ -152,6 +159,9 @@ def test_a_gap_that_is_meant_is_allowed(tmp_path: Path, capsys: pytest.CaptureFi
         (["--csv", "FILE", "--branch", "auto"], "--branch does not go with --csv"),
         (["--smoothing", "1e-3"], "--smoothing goes with --csv"),
         (["--max-gap", "1"], "--max-gap goes with --csv"),
+        (["--units", "deg"], "--units goes with --csv"),
+        (["--csv", "FILE", "--no-png"], "--no-png goes with --out"),
+        (["--csv", "FILE", "--columns", "time"], "argument --columns: 'time' is not NAME=COLUMN,..."),
         (["--csv", "FILE", "--smoothing", "0"], "argument --smoothing: 0 is not positive"),
         (["--lock", "joint6"], "argument --lock: 'joint6' is not JOINT=POSITION"),
         (["--csv", "nowhere.csv"], "nowhere.csv: cannot be read as a CSV file"),
@@ -163,3 +173,115 @@ def test_arguments_that_do_not_fit(
     path = written(tmp_path / "log.csv", rows().tolist())
     assert main(["assess", *(path if text == "FILE" else text for text in arguments)]) == 2
     assert message in capsys.readouterr().err
+
+
+# ---- what a log leaves open, and other commands
+
+
+def noisy(path: Path) -> str:
+    return written(path, rows(401, noise=1e-5).tolist())
+
+
+def test_noise_leaves_the_verdict_open_until_it_is_smoothed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It was answered with a verdict on torques up to 300 times too large, and a largest residual of 1e-15."""
+    path = noisy(tmp_path / "log.csv")
+    assert main(["assess", "--csv", path]) == 3
+    out = " ".join(capsys.readouterr().out.split())
+    assert "fit_trajectory, 2 s: undecided: noise: the jerk is mostly noise" in out
+    assert "Noise of a sample: " in out
+    assert ": feasible" not in out
+    assert main(["assess", "--csv", path, "--smoothing", "auto"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "smoothed by the quintic spline of greatest restricted likelihood, 200 intervals" in out
+    assert "Peak torque within (95 %): joint1 " in out
+    assert "fit_trajectory, 2 s: feasible" in out
+
+
+def test_the_document_tells_what_was_decided(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = noisy(tmp_path / "log.csv")
+    assert main(["assess", "--csv", path, "--smoothing", "auto", "--format", "json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["noise"] == pytest.approx([1e-5] * 6, rel=0.15)
+    assert document["undecided"] == document["assessment"]["undecided"] == []
+    assert (document["rest_before"], document["rest_after"]) == (True, True)
+    band, joints = document["band"]["peak_torque"], document["assessment"]["joints"]
+    for least, joint, greatest in zip(band["least"], joints, band["greatest"], strict=True):
+        assert least < joint["peak_torque"] < greatest
+    assert document["measured"] == []
+
+
+def test_columns_units_and_repeated_stamps(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table = rows(41)
+    table[:, 0] *= 1000
+    table[:, 1:] = np.degrees(table[:, 1:])
+    table = np.vstack([table[:1], table])
+    path = written(tmp_path / "log.csv", table.tolist(), ["stamp", *(f"q{k}" for k in range(1, 7))])
+    columns = ",".join(["time=stamp", *(f"joint{k}=q{k}" for k in range(1, 7))])
+    asked = ["assess", "--csv", path, "--columns", columns, "--units", "ms,deg", "--repeated", "average"]
+    assert main([*asked, "--format", "json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    expected = ps.assess(ps.load_robot(), MOVE)
+    assert document["assessment"]["duration"] == pytest.approx(2.0)
+    assert document["assessment"]["joints"][1]["peak_torque"] == pytest.approx(expected.peak_torque[1], rel=1e-4)
+    assert document["read"] == ["1 rows repeat a stamp: averaged"]
+
+
+def test_degrees_are_asked_for(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table = rows(401)
+    table[:, 1:] = np.degrees(table[:, 1:])
+    assert main(["assess", "--csv", written(tmp_path / "log.csv", table.tolist())]) == 3
+    assert "undecided: degrees? joint 'joint3' reaches 143.2" in " ".join(capsys.readouterr().out.split())
+
+
+def test_an_excerpt_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = written(tmp_path / "log.csv", rows(401).tolist()[100:300])
+    assert main(["assess", "--csv", path]) == 0
+    assert "Ends: moving at both: an excerpt" in capsys.readouterr().out
+    assert main(["assess", "--csv", path, "--dwell", "1"]) == 2
+    assert "the motion ends moving (rest_after=False), so no rest can follow it" in capsys.readouterr().err
+
+
+def test_measured_torques_are_compared(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    robot = ps.load_robot().with_payload(ps.Payload(mass=1.0))
+    t = np.linspace(0.0, 2.0, 201)
+    torque = ps.compute_motion(robot, MOVE).torque(t)
+    header = ["t", *JOINTS, *(f"{name}_torque" for name in JOINTS)]
+    path = written(tmp_path / "log.csv", np.column_stack([t, MOVE(t), torque]).tolist(), header)
+    assert main(["assess", "--csv", path]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "Measured effort [N m], RMS of what is left as computed, and with the proposals: joint1 " in out
+    assert "payload mass: " in out
+
+
+@pytest.mark.parametrize("name", ["compare", "size"])
+def test_other_commands_take_a_log(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
+    path = written(tmp_path / "log.csv", rows(101).tolist())
+    assert main([name, "--csv", path, *(["--profile", "quintic"] if name == "compare" else [])]) in (0, 1)
+    out = " ".join(capsys.readouterr().out.split())
+    assert "101 rows from 0 s to 2 s, interpolated by a quintic spline" in out
+    assert ("recorded" if name == "compare" else "The cycle is the recorded motion alone: move 2 s") in out
+    noise = noisy(tmp_path / "noisy.csv")
+    assert main([name, "--csv", noise, *(["--profile", "quintic"] if name == "compare" else [])]) == 3
+    assert "ndecided" in capsys.readouterr().out
+
+
+def test_a_log_is_replayed_into_a_small_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Every sample was a key frame and a marked point: 36 MB of report for 3.6 s."""
+    path = written(tmp_path / "log.csv", rows(3001).tolist())
+    page = tmp_path / "replay.html"
+    assert main(["replay", "--csv", path, "--html", str(page)]) == 0
+    capsys.readouterr()
+    out = tmp_path / "out"
+    assert main(["assess", "--csv", path, "--out", str(out), "--no-png"]) == 0
+    assert page.stat().st_size < 4e6
+    assert (out / "report.html").stat().st_size < 6e6
+    assert (out / "samples.csv").stat().st_size < 1e6
+
+
+def test_samples_of_an_assessment_go_in_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "out"
+    assert main(["assess", "paper-turned", "--profile", "quintic_segments", "--out", str(out), "--no-png"]) == 0
+    capsys.readouterr()
+    samples = out / "paper-turned" / "samples-quintic_segments.csv"
+    assert main(["assess", "--csv", str(samples), "--format", "json"]) == 0
+    assert json.loads(capsys.readouterr().out)["undecided"] == []

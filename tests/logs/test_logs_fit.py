@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from puma_septic import profiles
 from puma_septic.errors import InputError
-from puma_septic.profiles.logged import fit_residual, fit_trajectory, read_csv_trajectory
+from puma_septic.logs import fit_residual, fit_trajectory, read_csv_trajectory
 from puma_septic.trajectory import Trajectory
 
 Array = NDArray[np.float64]
@@ -40,7 +40,7 @@ def test_samples_of_a_motion_give_it_back(motion: Trajectory) -> None:
 def test_interpolation_is_the_quintic_spline(rng: np.random.Generator) -> None:
     """Two implementations: SciPy's banded B-spline collocation and our own conditions segment by segment."""
     t, q = np.cumsum(rng.uniform(0.5, 1.5, 12)), rng.normal(size=(12, 2))
-    one, other = fit_trajectory(t, q), profiles.quintic_spline(q, t)
+    one, other = fit_trajectory(t, q, ends="rest"), profiles.quintic_spline(q, t)
     grid = np.linspace(t[0], t[-1], 300)
     for order in range(4):
         assert np.abs(one(grid, order) - other(grid, order)).max() < 1e-12 * 60**order
@@ -95,9 +95,9 @@ def test_fit_refuses(rng: np.random.Generator) -> None:
         fit_trajectory(t, q, a=q)
     with pytest.raises(InputError, match=r"v: shape \(19, 2\) is not \(20, 2\)"):
         fit_trajectory(t, q, v=q[1:])
-    with pytest.raises(InputError, match=r"times\[3\] = 3 s is followed by 3 s"):
+    with pytest.raises(InputError, match=r"t\[3\] = 3 s is followed by 3 s"):
         fit_trajectory([0, 1, 2, 3, 3], q[:5])
-    with pytest.raises(InputError, match="fit_trajectory needs at least 2 points, got 1"):
+    with pytest.raises(InputError, match="q: at least 2 samples of one joint are needed"):
         fit_trajectory(t[:1], q[:1])
 
 
@@ -122,14 +122,15 @@ def test_csv_becomes_a_log_and_a_trajectory(tmp_path: Path, motion: Trajectory) 
     ("text", "message"),
     [
         ("", "the file is empty"),
-        ("0.0,1.0\n0.1,1.1\n", "row 1: the header must be t, <joint>, ..., but is '0.0, 1.0'"),
-        ("t\n0.0\n0.1\n", "row 1: the header must be t, <joint>"),
+        (
+            "0.0,1.0\n0.1,1.1\n",
+            "row 1: the header must name a time ",
+        ),
+        ("t\n0.0\n0.1\n", "row 1: the header must name a time"),
         ("t,a,a\n0,1,2\n1,2,3\n", "row 1, column 3: the name 'a' is used twice"),
-        ("t,a,\n0,1,2\n1,2,3\n", "row 1, column 3: the name '' is empty"),
         ("t,a\n0,1\n", "1 rows of samples; at least two are needed"),
         ("t,a,b\n0,1,2\n0.1,,2\n0.2,1,2\n", "row 3, column 'a': the value is missing"),
         ("t,a,b\n0,1,2\n0.1,1\n0.2,1,2\n", "row 3 has 2 cells, the header 3"),
-        ("t,a\n0,1\n\n0.2,1\n", "row 3 is empty"),
         ("t,a\n0,1\n0.1,fast\n", "row 3, column 'a': 'fast' is not a finite number"),
         ("t,a\n0,1\n0.1,nan\n", "row 3, column 'a': 'nan' is not a finite number"),
         ("t,a\n0,1\n0.1,1_000\n", "row 3, column 'a': '1_000' is not a finite number"),

@@ -1,0 +1,445 @@
+"""From samples to a trajectory, with what the samples leave unknown.
+
+SciPy does the arithmetic (`make_interp_spline`, `BSpline.design_matrix`, banded Cholesky factors) and its splines are
+converted exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, Literal, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import BSpline
+from scipy.linalg import solve_banded
+
+from puma_septic.errors import InputError
+from puma_septic.logs._clock import even_stamps
+from puma_septic.logs._ends import Ends, EndsRule, ends_of
+from puma_septic.logs._file import JointLog
+from puma_septic.logs._noise import encoder_step, sample_noise
+from puma_septic.logs._smoothing import Smoothed, even_knots, smooth_joint
+from puma_septic.logs._spline import (
+    DEGREE,
+    as_piecewise,
+    as_spline,
+    interpolated,
+    knots_on,
+    least_squares,
+    merged_columns,
+)
+from puma_septic.logs._spread import Spread, noise_doubts
+from puma_septic.logs._suspicions import suspicions
+from puma_septic.profiles import quintic
+from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_array, checked_choice, checked_times
+
+__all__ = ["FitResidual", "LogFit", "fit_log", "fit_residual", "fit_samples", "fit_trajectory"]
+
+# More intervals than this take seconds and a gigabyte to assess; longer logs get one for every few samples.
+_MOST_INTERVALS: Final = 15_000
+# Rounding to a step makes noise of step / sqrt(12) while a joint moves; less is seen where it is slow.
+_OF_STEP: Final = 0.1
+# Rows further apart than this, s, see no rest.
+_LONG_STEP: Final = 1.0
+# Samples below which every other one does not make a spline.
+_FEWEST: Final = 7
+_HALVED: Final = 4.0
+_ROUNDING: Final = 1e-14
+# A slope of squared residuals over squared speeds that is so many standard errors above zero is jitter of the stamps.
+_CERTAIN: Final = 4.0
+# Part of the residual that is left to noise where jitter explains nearly all of it.
+_LEAST_PLAIN: Final = 0.01
+
+Smoothing = ArrayLike | Literal["auto"] | None
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class FitResidual:
+    """How far a trajectory is from the samples that it was made from.
+
+    Attributes
+    ----------
+    max, rms : ndarray, shape (n_joints,)
+        Of the differences at the sample times, rad.
+    """
+
+    max: Array
+    rms: Array
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class LogFit:
+    """A trajectory through the samples of a log, and how well the samples determine it.
+
+    Attributes
+    ----------
+    trajectory : Trajectory
+        Its `notes` tell how it was made, its `doubts` what must be settled before a verdict.
+    spread : Spread
+        The spline, the noise, and what the noise leaves unknown.
+    jitter : float
+        Standard deviation of the stamps from the instants of sampling, s; 0 where none is seen (only smoothing by
+        "auto" tells it from noise).
+    encoder_step : ndarray, shape (n_joints,)
+        Of which all changes are whole multiples, rad (m); 0 where there is none.
+    wraps : ndarray of int, shape (n_joints,)
+        Jumps by a turn that were taken out of continuous joints.
+    """
+
+    trajectory: Trajectory
+    spread: Spread
+    jitter: float
+    encoder_step: Array
+    wraps: NDArray[np.int64]
+
+    @property
+    def noise(self) -> Array:
+        """Standard deviation of the noise of a sample, rad (m), shape (n_joints,)."""
+        return self.spread.noise
+
+
+def fit_trajectory(
+    t: ArrayLike,
+    q: ArrayLike,
+    *,
+    v: ArrayLike | None = None,
+    a: ArrayLike | None = None,
+    smoothing: Smoothing = None,
+    joint_names: Sequence[str] | None = None,
+    continuous: ArrayLike | None = None,
+    resolution: ArrayLike | None = None,
+    ends: EndsRule = "auto",
+) -> Trajectory:
+    """A quintic spline through, or near, the samples of a motion made elsewhere.
+
+    - Positions alone: the interpolating quintic spline, continuous to the fourth derivative. More than 15,000 samples
+      get a knot for every few of them, and the spline nearest to them in the least-squares sense.
+    - With `smoothing`, for noisy samples: "auto" is the penalised quintic spline of greatest restricted likelihood; a
+      number the least-squares spline on as few intervals as hold the RMS residual of every joint to that value.
+    - With velocities, as planners give them: a quintic per step through q and v whose accelerations make the jerk
+      continuous too; zero acceleration at both ends. With accelerations also: a quintic per step through all three.
+
+    Whether the log begins and ends at rest is read off the samples: where a joint moves there, beyond noise, the log is
+    an excerpt, its spline is free there, and nothing is assumed of what comes before or after
+    (`Trajectory.rest_before`, `rest_after`). An acceleration there is kept too.
+
+    Noise is estimated from the samples. Where it is most of the jerk, or where units are doubtful, the trajectory's
+    `doubts` say so, and an assessment of it gives no verdict. Stamps may count from any instant; those that are even
+    but for their last digit are taken as even.
+
+    The trajectory keeps the samples as its `points` and `times`: `fit_residual` tells what is left.
+
+    Parameters
+    ----------
+    t : array_like, shape (n,)
+        At least two, strictly increasing, s.
+    q : array_like, shape (n, n_joints)
+        rad (m for prismatic joints).
+    v, a : array_like, shape (n, n_joints), optional
+        rad/s and rad/s^2; `a` only with `v`.
+    smoothing : "auto", or array_like of shape () or (n_joints,), optional
+        Greatest RMS residual, positive, rad: about the noise of the samples.
+    joint_names : sequence of str, optional
+    continuous : array_like of bool, shape (n_joints,), optional
+        Joints that turn without bounds: jumps by a turn are taken out.
+    resolution : array_like, shape () or (n_joints,), optional
+        Travel below which a joint is at rest, rad; by default what the noise makes of a joint at rest.
+    ends : {"auto", "rest", "moving"}
+        Read off the samples, or take both ends for rest, or neither.
+
+    Raises
+    ------
+    InputError
+        For times that do not increase, bad arrays, `a` without `v`, `smoothing` together with `v`, and a
+        `smoothing` that is out of reach (the message tells the residual that is left).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import puma_septic as ps
+    >>> t = np.linspace(0.0, 2.0, 50)
+    >>> move = ps.fit_trajectory(t, np.sin(np.pi * t / 4)[:, None] ** 4)
+    >>> bool(ps.fit_residual(move).max[0] < 1e-14), move.rest_before, move.rest_after
+    (True, True, True)
+    """
+    samples = checked_array("q", q, (None, None))
+    times = checked_times("t", t, len(samples))
+    if len(samples) < 2 or not samples.shape[1]:
+        raise InputError(f"q: at least 2 samples of one joint are needed, got the shape {samples.shape}")
+    if v is not None or a is not None:
+        if smoothing is not None:
+            raise InputError("smoothing fits positions alone; give either smoothing or v and a")
+        return _through_slopes(times, samples, v, a, tuple(joint_names or ()))
+    return fit_samples(
+        times,
+        samples,
+        smoothing=smoothing,
+        joint_names=joint_names,
+        continuous=continuous,
+        resolution=resolution,
+        ends=ends,
+    ).trajectory
+
+
+def fit_samples(
+    times: Array,
+    samples: Array,
+    *,
+    smoothing: Smoothing = None,
+    joint_names: Sequence[str] | None = None,
+    continuous: ArrayLike | None = None,
+    resolution: ArrayLike | None = None,
+    ends: EndsRule = "auto",
+    bounds: Array | None = None,
+    units_stated: bool = False,
+) -> LogFit:
+    """`fit_trajectory` of checked positions, with what the samples leave unknown.
+
+    Parameters
+    ----------
+    bounds : ndarray, shape (n_joints, 2), optional
+        Of the positions, by which units are doubted.
+    units_stated : bool
+        Whether somebody has said what the units are; else they are doubted where the values look like others.
+    """
+    checked_choice("ends", ends, ("auto", "rest", "moving"))
+    n = samples.shape[1]
+    names = tuple(joint_names or ())
+    labels = [f"joint {name!r}" for name in names] or [f"joint {j + 1}" for j in range(n)]
+    t = even_stamps(times - times[0], 2 * float(np.spacing(np.abs(times).max())))
+    q, wraps = _unwrapped(samples, continuous)
+    noise = sample_noise(t, q)
+    # Rounding to a step would be seen as noise; the changes of a smooth motion may be whole multiples by themselves.
+    whole = encoder_step(q)
+    step = np.where(noise > _OF_STEP * whole, whole, 0.0)
+    noise = np.maximum(noise, step / np.sqrt(12))
+    found = ends_of(t, q, noise, step, ends)
+    spread, jitter = _fitted(t, q, noise, smoothing, found, labels)
+    trajectory = Trajectory(
+        position=as_piecewise(spread.spline, float(times[0]), np.ptp(q, axis=0) == 0),
+        points=q,
+        times=times,
+        profile="fit_trajectory",
+        joint_names=names,
+        resolution=_resolution(t, spread) if resolution is None else _per_joint("resolution", resolution, n),
+        rest_before=found.rests[0],
+        rest_after=found.rests[1],
+        doubts=(
+            *noise_doubts(spread, labels),
+            *suspicions(t, q, labels, bounds=bounds, units_stated=units_stated),
+        ),
+    )
+    return LogFit(trajectory=trajectory, spread=spread, jitter=jitter, encoder_step=step, wraps=wraps)
+
+
+def fit_log(
+    log: JointLog,
+    *,
+    smoothing: Smoothing = None,
+    resolution: ArrayLike | None = None,
+    ends: EndsRule = "auto",
+    bounds: Array | None = None,
+) -> LogFit:
+    r"""`fit_trajectory` of a log that was read, with its joints and what is known of its units.
+
+    Parameters
+    ----------
+    log : JointLog
+    smoothing, resolution, ends
+        As `fit_trajectory`.
+    bounds : ndarray, shape (n_joints, 2), optional
+        Of the positions, as ``robot.limits.position``: units are doubted where they leave it.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from puma_septic.logs import fit_log, read_log
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "log.csv")
+    ...     _ = path.write_text("t,elbow\n" + "".join(f"{k / 50},{(k / 50) ** 2}\n" for k in range(50)))
+    ...     fit = fit_log(read_log(path))
+    >>> fit.trajectory.rest_before, fit.trajectory.rest_after, fit.trajectory.doubts
+    (True, False, ())
+    """
+    return fit_samples(
+        log.t,
+        log.q,
+        smoothing=smoothing,
+        joint_names=log.joint_names,
+        continuous=log.is_continuous,
+        resolution=resolution,
+        ends=ends,
+        bounds=bounds,
+        units_stated=log.units_stated,
+    )
+
+
+def fit_residual(trajectory: Trajectory) -> FitResidual:
+    """How far a trajectory is from its points at their times: the residual of `fit_trajectory`."""
+    difference = trajectory.points - trajectory(trajectory.times)
+    return FitResidual(max=np.abs(difference).max(axis=0), rms=np.sqrt((difference**2).mean(axis=0)))
+
+
+def _per_joint(name: str, value: ArrayLike, n: int) -> Array:
+    """A value for each joint; one holds for all."""
+    return np.broadcast_to(checked_array(name, value, () if np.ndim(value) == 0 else (n,)), (n,))
+
+
+def _resolution(t: Array, spread: Spread) -> Array:
+    """Travel that counts as rest; none where rows are too far apart to tell a rest from a motion."""
+    return spread.travel_at_rest if np.median(np.diff(t)) <= _LONG_STEP else np.zeros(len(spread.noise))
+
+
+def _unwrapped(samples: Array, continuous: ArrayLike | None) -> tuple[Array, NDArray[np.int64]]:
+    """Positions without jumps by a turn in continuous joints, and how many there were."""
+    n = samples.shape[1]
+    turning = np.zeros(n, np.bool_) if continuous is None else np.broadcast_to(np.asarray(continuous, np.bool_), n)
+    q = np.where(turning, np.unwrap(samples, axis=0), samples)
+    return q, (np.abs(np.diff(q - samples, axis=0)) > np.pi).sum(axis=0)
+
+
+def _fitted(
+    t: Array, q: Array, noise: Array, smoothing: Smoothing, ends: Ends, labels: Sequence[str]
+) -> tuple[Spread, float]:
+    """The spline as asked, with its spread, and the jitter of the stamps."""
+    if isinstance(smoothing, str):
+        checked_choice("smoothing", smoothing, ("auto",))
+        return _smoothed(t, q, ends)
+    if smoothing is not None:
+        allowed = _per_joint("smoothing", smoothing, q.shape[1])
+        return _within(t, q, allowed, ends, labels), 0.0
+    if len(t) <= _MOST_INTERVALS:
+        spline = interpolated(t, q, ends.slopes)
+        return Spread(spline=spline, noise=noise, parts=(), between=_between(t, q)), 0.0
+    stride = -(-len(t) // _MOST_INTERVALS)
+    return _nearest(t, q, np.append(t[:-1:stride], t[-1]), ends), 0.0
+
+
+def _between(t: Array, q: Array) -> Array:
+    """By how much the spline through the samples may miss the motion between them, (n_joints,).
+
+    The spline through every other sample misses those that it leaves out by more: by 2^6 where the motion is smooth,
+    by 2^2 at a step of the acceleration, which is taken.
+    """
+    if len(t) < 2 * _FEWEST:
+        return np.zeros(q.shape[1])
+    last = len(t) - 1 - (len(t) - 1) % 2
+    coarse = interpolated(t[: last + 1 : 2], q[: last + 1 : 2])
+    missed = np.abs(q[1:last:2] - coarse(t[1:last:2])).max(axis=0) / _HALVED
+    # Below what rounding leaves of positions there is nothing to be seen.
+    return np.where(missed > _ROUNDING * np.abs(q).max(axis=0), missed, 0.0)
+
+
+def _smoothed(t: Array, q: Array, ends: Ends) -> tuple[Spread, float]:
+    """The splines of greatest restricted likelihood; samples count for less where the arm is fast and stamps jitter."""
+    knots, joints = even_knots(t), range(q.shape[1])
+    weights = np.ones_like(q)
+
+    def fits() -> tuple[Smoothed, ...]:
+        return tuple(smooth_joint(t, q[:, j], knots, weights=weights[:, j], rest=ends.orders(j)) for j in joints)
+
+    parts = fits()
+    spline = as_spline(knots, [part.coefficients for part in parts])
+    jitter, weights = _jitter(q - spline(t), spline(t, nu=1), np.array([part.noise for part in parts]))
+    if jitter:
+        parts = fits()
+        spline = as_spline(knots, [part.coefficients for part in parts])
+    noise = np.array([part.noise for part in parts])
+    return Spread(spline=spline, noise=noise, parts=parts, is_regularised=True), jitter
+
+
+def _jitter(residual: Array, v: Array, noise: Array) -> tuple[float, Array]:
+    """Standard deviation of the stamps, s, and weights of the samples: squared residuals are sigma^2 + jitter^2 v^2.
+
+    The slope is that of all joints together, each in units of its own noise; it counts where it is surely above zero.
+    """
+    some = noise > 0
+    y, x = residual[:, some] ** 2 / noise[some] ** 2, v[:, some] ** 2 / noise[some] ** 2
+    dx, dy = x - x.mean(axis=0), y - y.mean(axis=0)
+    total = (dx**2).sum()
+    slope = (dx * dy).sum() / total if total > 0 else 0.0
+    if slope <= 0 or slope**2 * total <= _CERTAIN**2 * dy.var():
+        return 0.0, np.ones_like(residual)
+    plain = np.maximum(y.mean(axis=0) - slope * x.mean(axis=0), _LEAST_PLAIN)
+    weights = np.ones_like(residual)
+    weights[:, some] = plain / (plain + slope * x)
+    return float(np.sqrt(slope)), weights
+
+
+def _within(t: Array, q: Array, allowed: Array, ends: Ends, labels: Sequence[str]) -> Spread:
+    """The least-squares quintic spline on the fewest intervals, of a growing row, that holds the residual."""
+    if not (allowed > 0).all():
+        j = int(np.argmin(allowed))
+        raise InputError(f"{labels[j]}: smoothing = {allowed[j]:g} rad must be positive; leave it out to interpolate")
+    intervals, residual = 1, np.full(len(allowed), np.inf)
+    # With fewer than two samples to an interval it would be interpolation, and the system might be singular.
+    while 2 * intervals <= len(t):
+        breaks = np.interp(np.linspace(0, len(t) - 1, intervals + 1), np.arange(len(t)), t)
+        spread = _nearest(t, q, breaks, ends)
+        residual = np.sqrt(((q - spread.spline(t)) ** 2).mean(axis=0))
+        if (residual <= allowed).all():
+            return spread
+        intervals += max(1, intervals // 3)
+    j = int(np.argmax(residual / allowed))
+    raise InputError(
+        f"{labels[j]}: smoothing = {allowed[j]:g} rad is out of reach: with {len(breaks) - 1} intervals for"
+        f" {len(t)} samples an RMS residual of {residual[j]:g} rad is left; allow more, or leave it out to interpolate"
+    )
+
+
+def _nearest(t: Array, q: Array, breaks: Array, ends: Ends) -> Spread:
+    """The least-squares spline with knots at the breaks."""
+    knots, parts = knots_on(breaks), []
+    for j, column in enumerate(q.T):
+        rest = ends.orders(j)
+        c, factor = least_squares(t, column, knots, rest)
+        left = column - BSpline(knots, c, DEGREE)(t)
+        free = max(1, len(t) - factor.shape[1])
+        merged = merged_columns(len(c), rest)
+        noise = float(np.sqrt((left**2).sum() / free))
+        parts.append(Smoothed(coefficients=c, noise=noise, factor=factor, merged=merged))
+    spline = as_spline(knots, [part.coefficients for part in parts])
+    return Spread(spline=spline, noise=np.array([part.noise for part in parts]), parts=tuple(parts))
+
+
+def _through_slopes(
+    times: Array, q: Array, v: ArrayLike | None, a: ArrayLike | None, joint_names: tuple[str, ...]
+) -> Trajectory:
+    """Quintics through positions, velocities and, where given, accelerations."""
+    if v is None:
+        raise InputError("a is given without v; accelerations need the velocities too")
+    velocities = checked_array("v", v, q.shape)
+    given = None if a is None else checked_array("a", a, q.shape)
+    accelerations = _smooth_jerk(times, q, velocities) if given is None else given
+    return Trajectory(
+        position=quintic(q, times, velocities=velocities, accelerations=accelerations).position,
+        points=q,
+        times=times,
+        profile="fit_trajectory",
+        joint_names=joint_names,
+    )
+
+
+def _smooth_jerk(t: Array, q: Array, v: Array) -> Array:
+    """The accelerations that make the jerk of quintics through q and v continuous; zero at both ends.
+
+    On a step of T with slope m = (q1 - q0)/T, the quintic's jerk at its start is
+    ``(60 m - 36 v0 - 24 v1)/T^2 - (9 a0 - 3 a1)/T`` and at its end
+    ``(60 m - 24 v0 - 36 v1)/T^2 - (3 a0 - 9 a1)/T``: a tridiagonal system.
+    """
+    if len(t) == 2:
+        return np.zeros_like(q)
+    T = np.diff(t)[:, None]
+    slope = np.diff(q, axis=0) / T
+    start = (60 * slope - 36 * v[:-1] - 24 * v[1:]) / T**2
+    end = (60 * slope - 24 * v[:-1] - 36 * v[1:]) / T**2
+    bands = np.zeros((3, len(t) - 2))
+    bands[1] = 9 * (1 / T[:-1] + 1 / T[1:])[:, 0]
+    bands[0, 1:] = bands[2, :-1] = -3 / T[1:-1, 0]
+    rest = np.zeros((1, q.shape[1]))
+    return np.concatenate([rest, solve_banded((1, 1), bands, start[1:] - end[:-1]), rest])

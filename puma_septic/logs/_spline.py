@@ -1,0 +1,100 @@
+"""Quintic splines through samples, or as near to them as their knots allow, and what noise makes of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import BSpline, make_interp_spline
+from scipy.linalg import cho_solve_banded, cholesky_banded
+from scipy.sparse import csr_array
+
+from puma_septic.piecewise import Piecewise
+from puma_septic.validation import Array
+
+__all__ = [
+    "DEGREE", "as_piecewise", "as_spline", "banded", "end_slopes", "interpolated", "knots_on", "least_squares",
+    "merged_columns",
+]  # fmt: skip
+
+DEGREE: Final = 5
+# Samples that a spline without conditions at its ends needs.
+_FEWEST: Final = DEGREE + 2
+
+
+def interpolated(t: Array, q: Array, ends: Array | None = None) -> BSpline:
+    """The quintic spline through the samples.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        From 0, s.
+    q : ndarray, shape (n, m)
+    ends : ndarray, shape (2, 2, m), optional
+        Velocity and acceleration at the start, and at the end; without, the third derivatives beside the first and
+        last two inner samples are continuous ("not a knot").
+    """
+    if ends is None:
+        return make_interp_spline(t, q, k=DEGREE)
+    conditions = [[(1, end[0]), (2, end[1])] for end in ends]
+    return make_interp_spline(t, q, k=DEGREE, bc_type=tuple(conditions))
+
+
+def end_slopes(spline: BSpline) -> Array:
+    """Velocity and acceleration at the start, and at the end, shape (2, 2, ...)."""
+    ends = [spline.t[0], spline.t[-1]]
+    return np.stack([spline(ends, nu=order) for order in (1, 2)], axis=1)
+
+
+def knots_on(breaks: Array) -> Array:
+    """A knot at each break, the ends repeated."""
+    return np.concatenate([np.repeat(breaks[0], DEGREE), breaks, np.repeat(breaks[-1], DEGREE)])
+
+
+def merged_columns(p: int, rest: tuple[int, int]) -> NDArray[np.int64]:
+    """Which free coefficient each of p B-spline coefficients is.
+
+    Where the first `rest` derivatives are zero at an end, so many coefficients and one more are equal there.
+    """
+    return np.clip(np.arange(p) - rest[0], 0, p - 1 - sum(rest))
+
+
+def least_squares(t: Array, q: Array, knots: Array, rest: tuple[int, int]) -> tuple[Array, Array]:
+    """Coefficients (p, m) of the least-squares spline, and the banded Cholesky factor of its free normal equations."""
+    p = len(knots) - DEGREE - 1
+    merged = merged_columns(p, rest)
+    basis = BSpline.design_matrix(t, knots, DEGREE) @ csr_array((np.ones(p), (np.arange(p), merged)))
+    # The normal equations of B-splines are banded and well conditioned.
+    factor = cholesky_banded(banded(basis.T @ basis))
+    free = cho_solve_banded((factor, False), basis.T @ (q - q[0]))
+    return free[merged] + q[0], factor
+
+
+def banded(matrix: csr_array) -> Array:
+    """The upper bands of a symmetric matrix as LAPACK has them."""
+    bands = np.zeros((DEGREE + 1, matrix.shape[0]))
+    for k in range(min(DEGREE + 1, matrix.shape[0])):
+        bands[DEGREE - k, k:] = matrix.diagonal(k)
+    return bands
+
+
+def as_spline(knots: Array, coefficients: Sequence[Array]) -> BSpline:
+    """One spline of the joints' coefficients, each (p,) or (p, k)."""
+    return BSpline(knots, np.stack(coefficients, axis=1), DEGREE)
+
+
+def as_piecewise(spline: BSpline, start: float, still: NDArray[np.bool_]) -> Piecewise:
+    """A spline that begins at 0 as it is, begun at another instant; joints that stand still are exactly constant."""
+    breaks = np.unique(spline.t)
+    lengths = np.diff(breaks)[:, None]
+    origin = spline.c[0]
+    relative = BSpline(spline.t, np.where(still, 0.0, spline.c - origin), spline.k)
+    # The Taylor series at the start of each interval is the whole polynomial.
+    powers = np.stack([
+        relative(breaks[:-1], nu=k) * lengths**k / math.factorial(k) for k in range(spline.k + 1)
+    ])  # fmt: skip
+    powers[0] += origin
+    return Piecewise.from_power(breaks, powers).shifted(start)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from urdf_texts import ARM
+from helpers.urdf_texts import ARM
 
 import puma_septic as ps
 from puma_septic.errors import InputError

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from recordings import ENCODER_STEP, MOVE, POINTS, recorded, true_torque
+from helpers.recordings import ENCODER_STEP, MOVE, POINTS, recorded, true_torque
 
 import puma_septic as ps
 from puma_septic.logs import fit_samples

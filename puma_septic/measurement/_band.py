@@ -8,7 +8,8 @@ from typing import Any, Final, final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.dynamics import coulomb_torque, smooth_torque
+from puma_septic.dynamics import rigid_torque, smooth_torque
+from puma_septic.friction import friction_terms, loss
 from puma_septic.logs import LogFit
 from puma_septic.motion import Motion
 from puma_septic.piecewise.directions import REST_TIME
@@ -89,7 +90,7 @@ def torque_band(motion: Motion, fit: LogFit, *, draws: int = 48, seed: int = 0) 
     count = int(np.clip(_PER_SECOND * motion.trajectory.duration, _LEAST, _MOST))
     t = np.linspace(0.0, fit.spread.spline.t[-1], count)
     state = [fit.spread.spline(t, nu=order) for order in range(3)]
-    rests = _rests(motion, t, _unsure(motion, fit))
+    rests = _rests(motion, t, state, _unsure(motion, fit))
     tau = smooth_torque(motion.robot, *state) + rests[0]
     peaks, squares = _deviations(motion.robot, fit, t, state, rests[0], draws=draws, seed=seed)
     around = [tau - rests[0] + friction for friction in rests]
@@ -132,8 +133,8 @@ def _unsure(motion: Motion, fit: LogFit) -> Array:
     return np.asarray(np.clip(REST_TIME / 2 + 1.5 * hidden, REST_TIME, motion.trajectory.duration / 2))
 
 
-def _rests(motion: Motion, t: Array, unsure: Array) -> list[Array]:
-    """Coulomb friction (n, n_joints) as the motion has it, and with rests shorter and longer at each end.
+def _rests(motion: Motion, t: Array, state: list[Array], unsure: Array) -> list[Array]:
+    """Dry friction (n, n_joints) as the motion has it, and with rests shorter and longer at each end.
 
     The ends of a log that is at rest there belong to a rest.
     """
@@ -148,7 +149,15 @@ def _rests(motion: Motion, t: Array, unsure: Array) -> list[Array]:
         longer[-margin:, j] |= trajectory.rest_after
         shorter[:, j] = ~_grown(~still[:, j], margin)
     signs = [direction, np.where(shorter, 0.0, moving), np.where(longer, 0.0, moving)]
-    return [coulomb_torque(motion.robot, sign) for sign in signs]
+    return [_dry_friction(motion.robot, state, sign) for sign in signs]
+
+
+def _dry_friction(robot: Robot, state: list[Array], sign: Array) -> Array:
+    """Friction and gear losses that depend on the way of travel, for signs of it, shape (n, n_joints)."""
+    friction = friction_terms(robot.friction, state[1], sign)["coulomb"]
+    if not robot.has_losses:
+        return friction
+    return friction + loss(robot.transmission, rigid_torque(robot, *state) - robot.armature * state[2], sign)
 
 
 def _grown(flags: NDArray[np.bool_], margin: int) -> NDArray[np.bool_]:

@@ -39,7 +39,7 @@ from puma_septic.validation import Array, checked_array, checked_choice, checked
 __all__ = ["FitResidual", "LogFit", "fit_log", "fit_residual", "fit_samples", "fit_trajectory"]
 
 # More intervals than this take seconds and a gigabyte to assess; longer logs get one for every few samples.
-_MOST_INTERVALS: Final = 15_000
+_MOST_INTERVALS: Final = 10_000
 # Rounding to a step makes noise of step / sqrt(12) while a joint moves; less is seen where it is slow.
 _OF_STEP: Final = 0.1
 # Rows further apart than this, s, see no rest.
@@ -117,7 +117,7 @@ def fit_trajectory(
 ) -> Trajectory:
     """A quintic spline through, or near, the samples of a motion made elsewhere.
 
-    - Positions alone: the interpolating quintic spline, continuous to the fourth derivative. More than 15,000 samples
+    - Positions alone: the interpolating quintic spline, continuous to the fourth derivative. More than 10,000 samples
       get a knot for every few of them, and the spline nearest to them in the least-squares sense.
     - With `smoothing`, for noisy samples: "auto" is the penalised quintic spline of greatest restricted likelihood; a
       number the least-squares spline on as few intervals as hold the RMS residual of every joint to that value.

@@ -20,7 +20,7 @@ __all__ = ["Smoothed", "even_knots", "smooth_joint"]
 # Knots that an arm's motion needs: a hundred in a second carry what moves at up to some 30 Hz; and 200 in all.
 _KNOTS_PER_SECOND: Final = 100.0
 _LEAST_KNOTS: Final = 200
-_MOST_KNOTS: Final = 15_000
+_MOST_KNOTS: Final = 10_000
 # Decades of the ratio of penalty to data that are searched.
 _SEARCHED: Final = (-10.0, 14.0)
 

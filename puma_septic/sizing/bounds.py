@@ -1,18 +1,19 @@
-"""Use of every limit by many drive trains at once, between a lower and an upper bound."""
+"""What many drive trains at once ask for, between a lower and an upper bound."""
 
 from __future__ import annotations
 
-from typing import Final
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from puma_septic.sizing.gearbox import expected_life
 from puma_septic.sizing.grids import LoadGrid
 from puma_septic.sizing.pairs import PairTable
 from puma_septic.validation import Array
 
-__all__ = ["Bounds", "utilisation_bounds"]
+__all__ = ["Bounds", "PairDemands", "utilisation"]
 
 # Lower and upper bound of a demand, or of a utilisation, each of shape (n_pairs,); NaN: not assessed.
 Bounds = tuple[Array, Array]
@@ -25,49 +26,171 @@ _BLOCK: Final = 2048
 _CURVE_INSTANTS: Final = 96
 
 
-def utilisation_bounds(grid: LoadGrid, table: PairTable) -> dict[str, Bounds]:
-    """Utilisation of each check that can reject, by the names of `assess_joint`.
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PairDemands:
+    """`Demands` of many drive trains at once, each between a lower and an upper bound, and limits, by the same names.
 
-    Of pairs whose torque is no sum of the features nothing is known before they are assessed in full.
+    Computed when first asked for and kept (the cache needs a ``__dict__``, hence no slots).
 
-    Returns
-    -------
-    dict of str to Bounds
+    Attributes
+    ----------
+    grid : LoadGrid
+    table : PairTable
     """
-    n, speed, mean = table.ratio, table.ratio * grid.moments.peak_speed, table.ratio * grid.mean_speed
-    rms = _rms(grid, table.coefficients)
-    peak, power = _peaks(grid, table)
-    k_t = table.motor("torque_constant")
-    load = np.full(len(n), grid.peak_torque)
-    bounds = {
-        "actuator effort at the joint": _use(_times(peak, n), table.max_effort),
-        "motor torque": _use(peak, table.motor("peak_torque")),
-        "RMS motor torque at mean speed": _use(rms, _continuous_torque(table, mean)),
-        "motor torque at speed": _torque_at_speed(grid, table, peak[1], speed),
-        "voltage at torque and speed": _use(_voltage(grid, table), table.drive("bus_voltage")),
-        "motor speed": _use(_exact(speed), table.motor("max_speed")),
-        "motor power": _use(power, table.motor("peak_power")),
-        "winding temperature rise": _winding(grid, table, rms[1]),
-        "peak current": _use(_times(peak, 1 / k_t), table.drive("peak_current")),
-        "RMS current": _use(_times(rms, 1 / k_t), table.drive("continuous_current")),
-        **_electric(grid, table, rms[1], peak, power),
-        "gearbox average torque": _use(_exact(n * 0 + grid.average_torque), table.gearbox("max_average_torque")),
-        "gearbox repeated peak torque": _use(_exact(load), table.gearbox("max_repeated_torque")),
-        "gearbox momentary peak torque": _use(
-            _exact(n * 0 + table.place.momentary_torque), table.gearbox("max_momentary_torque")
-        ),
-        "gearbox average input speed": _use(_exact(mean), table.gearbox("max_average_input_speed")),
-        "gearbox input speed": _use(_exact(speed), table.gearbox("max_input_speed")),
-        "gearbox life": _use(_exact(n * 0 + table.place.required_life_hours), _life(grid, table)),
-    }
-    return {name: _opened(pair, table.is_linear) for name, pair in bounds.items()}
 
+    grid: LoadGrid
+    table: PairTable
 
-def _opened(bounds: Bounds, is_linear: NDArray[np.bool_]) -> Bounds:
-    """Zero and infinity where the bounds do not hold; what is not assessed at all stays so."""
-    low, high = bounds
-    holds = is_linear | np.isnan(high)
-    return np.where(holds, low, 0.0), np.where(holds, high, np.inf)
+    def limit(self, part: str, name: str) -> Array:
+        """A value of each pair's motor, gearbox or drive.
+
+        Returns
+        -------
+        ndarray, shape (n_pairs,)
+        """
+        return np.asarray(getattr(self.table, part)(name))
+
+    @cached_property
+    def _torque_and_power(self) -> tuple[Bounds, Bounds]:
+        return _peaks(self.grid, self.table)
+
+    @property
+    def peak_torque(self) -> Bounds:
+        """Of the motor."""
+        return self._torque_and_power[0]
+
+    @property
+    def peak_power(self) -> Bounds:
+        """Mechanical, of the motor."""
+        return self._torque_and_power[1]
+
+    @property
+    def peak_effort(self) -> Bounds:
+        """Of the motor, referred to the joint."""
+        return _times(self.peak_torque, self.table.ratio)
+
+    @property
+    def max_effort(self) -> Array:
+        """Limit of `peak_effort`."""
+        return self.table.max_effort
+
+    @cached_property
+    def rms_torque(self) -> Bounds:
+        """Of the motor."""
+        return _rms(self.grid, self.table.coefficients)
+
+    @property
+    def continuous_torque(self) -> Array:
+        """Limit of `rms_torque`."""
+        return _continuous_torque(self.table, self.table.ratio * self.grid.mean_speed)
+
+    @property
+    def torque_at_speed(self) -> Bounds:
+        """As a share of the curve."""
+        return _torque_at_speed(self.grid, self.table, self.peak_torque[1], self._top_speed)
+
+    @property
+    def torque_at_speed_limit(self) -> Array:
+        """All of the curve."""
+        return np.ones(len(self.table.ratio))
+
+    @property
+    def peak_voltage(self) -> Bounds:
+        """At the motor's terminals."""
+        return _voltage(self.grid, self.table)
+
+    @property
+    def _top_speed(self) -> Array:
+        return self.table.ratio * self.grid.moments.peak_speed
+
+    @property
+    def peak_speed(self) -> Bounds:
+        """Of the motor."""
+        return _exact(self._top_speed)
+
+    @property
+    def mean_speed(self) -> Bounds:
+        """Of the motor."""
+        return _exact(self.table.ratio * self.grid.mean_speed)
+
+    @property
+    def peak_temperature_rise(self) -> Bounds:
+        """Of the winding."""
+        return _temperature_rise(self.grid, self.table, self.rms_torque[1])
+
+    @property
+    def max_temperature_rise(self) -> Array:
+        """Limit of `peak_temperature_rise`."""
+        return np.maximum(self.table.motor("max_winding_celsius") - self.table.place.ambient_celsius, 0.0)
+
+    @property
+    def peak_current(self) -> Bounds:
+        """Of the motor."""
+        return _times(self.peak_torque, 1 / self.table.motor("torque_constant"))
+
+    @property
+    def rms_current(self) -> Bounds:
+        """Of the motor."""
+        return _times(self.rms_torque, 1 / self.table.motor("torque_constant"))
+
+    @cached_property
+    def _electric(self) -> dict[str, Bounds]:
+        return _electric(self.grid, self.table, self.rms_torque[1], self.peak_torque, self.peak_power)
+
+    @property
+    def peak_drawn_power(self) -> Bounds:
+        """Electric."""
+        return self._electric["peak drawn"]
+
+    @property
+    def mean_drawn_power(self) -> Bounds:
+        """Electric."""
+        return self._electric["mean drawn"]
+
+    @property
+    def peak_returned_power(self) -> Bounds:
+        """Electric."""
+        return self._electric["peak returned"]
+
+    @property
+    def stored_energy(self) -> Bounds:
+        """On the bus."""
+        return self._electric["stored"]
+
+    @property
+    def mean_braked_power(self) -> Bounds:
+        """In the brake resistor."""
+        return self._electric["mean braked"]
+
+    def _same(self, demand: float) -> Bounds:
+        """One number for all pairs."""
+        return _exact(np.full(len(self.table.ratio), demand))
+
+    @property
+    def average_load_torque(self) -> Bounds:
+        """At the gearbox's output."""
+        return self._same(self.grid.average_torque)
+
+    @property
+    def peak_load_torque(self) -> Bounds:
+        """At the gearbox's output."""
+        return self._same(self.grid.peak_torque)
+
+    @property
+    def momentary_torque(self) -> Bounds:
+        """At the gearbox's output."""
+        return self._same(self.table.place.momentary_torque)
+
+    @property
+    def required_life_hours(self) -> Bounds:
+        """Of the gearbox."""
+        return self._same(self.table.place.required_life_hours)
+
+    @property
+    def expected_life_hours(self) -> Array:
+        """Of the gearbox."""
+        return _life(self.grid, self.table)
 
 
 def _exact(demand: Array) -> Bounds:
@@ -86,10 +209,18 @@ def _times(bounds: Bounds, factor: Array) -> Bounds:
     return bounds[0] * factor, bounds[1] * factor
 
 
-def _use(demand: Bounds, limit: Array) -> Bounds:
-    """Demand over limit; a limit of zero is always too small."""
+def utilisation(demand: Bounds, limit: Array, table: PairTable) -> Bounds:
+    """Demand over limit; a limit of zero is always too small, and what is not known not assessed.
+
+    Of pairs whose torque is no sum of the features nothing is known before they are assessed in full.
+
+    Returns
+    -------
+    Bounds
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
         low, high = (np.where(limit == 0, np.inf, one / limit) for one in demand)
+    low, high = np.where(table.is_linear, low, 0.0), np.where(table.is_linear, high, np.inf)
     unknown = np.isnan(limit) | np.isnan(demand[0])
     return np.where(unknown, np.nan, low), np.where(unknown, np.nan, high)
 
@@ -160,7 +291,7 @@ def _torque_at_speed(grid: LoadGrid, table: PairTable, highest: Array, top_speed
     return low, high
 
 
-def _winding(grid: LoadGrid, table: PairTable, rms: Array) -> Bounds:
+def _temperature_rise(grid: LoadGrid, table: PairTable, rms: Array) -> Bounds:
     """Temperature rise of the winding: at least its mean without the growth of the resistance.
 
     At most that mean and the heat of one whole cycle in the winding alone (which is never colder than the
@@ -178,8 +309,7 @@ def _winding(grid: LoadGrid, table: PairTable, rms: Array) -> Bounds:
     feedback = 1 - copper * share * loss * (1 + _ROUNDING)
     with np.errstate(divide="ignore", invalid="ignore"):
         high = np.where(feedback > 0, share * loss * growth * (1 + _ROUNDING) / feedback, np.inf)
-    limit = np.maximum(table.motor("max_winding_celsius") - ambient, 0.0)
-    return _use((total * loss * growth * (1 - 10 * _ROUNDING), high), limit)
+    return total * loss * growth * (1 - 10 * _ROUNDING), high
 
 
 def _electric(grid: LoadGrid, table: PairTable, rms: Array, peak: Bounds, power: Bounds) -> dict[str, Bounds]:
@@ -193,18 +323,13 @@ def _electric(grid: LoadGrid, table: PairTable, rms: Array, peak: Bounds, power:
     back = n * (c[:, 0] * grid.driven[0] + c[:, 3] * grid.driven[1]) * (1 + _ROUNDING) + unknown
     runs_full = (net <= 10 * _ROUNDING * drawn) & (not grid.load.why_not_periodic)
     cycle = grid.load.duration
-    no_resistor = np.isnan(table.drive("brake_resistor_power"))
     stored = np.where(runs_full, np.inf, back * cycle) + unknown
     return {
-        "drawn electric power": _use((unknown, power[1] + heat * peak[1] ** 2), table.drive("peak_power")),
-        "mean drawn electric power": _use(
-            (np.maximum(net - 10 * _ROUNDING * drawn, 0.0), drawn * (1 + _ROUNDING)), table.drive("continuous_power")
-        ),
-        "returned electric power": _use((unknown, power[1] + unknown), table.drive("peak_regenerated_power")),
-        "returned energy on the bus": _use(
-            (unknown, stored), np.where(no_resistor, table.drive("storable_energy"), np.nan)
-        ),
-        "mean brake-resistor power": _use((unknown, back), table.drive("brake_resistor_power")),
+        "peak drawn": (unknown, power[1] + heat * peak[1] ** 2),
+        "mean drawn": (np.maximum(net - 10 * _ROUNDING * drawn, 0.0), drawn * (1 + _ROUNDING)),
+        "peak returned": (unknown, power[1] + unknown),
+        "stored": (unknown, stored),
+        "mean braked": (unknown, back),
     }
 
 

@@ -1,4 +1,4 @@
-"""Every limit of a drive train held against what the cycle asks for."""
+"""The limits of a drive train, a row each: what holds one drive train to it, and many at once within bounds."""
 
 from __future__ import annotations
 
@@ -8,16 +8,23 @@ from typing import Final, final
 
 import numpy as np
 
+from puma_septic.drives import Drive, Gearbox, Motor
 from puma_septic.limit_check import Kind, LimitCheck
-from puma_septic.sizing.curves import torque_at_speed
+from puma_septic.sizing.bounds import Bounds, PairDemands, utilisation
 from puma_septic.sizing.demands import Demands, Peak
+from puma_septic.sizing.grids import LoadGrid
+from puma_septic.sizing.pairs import PairTable
+from puma_septic.validation import Array
 
-__all__ = ["NotAssessed", "Outcome", "assess_joint"]
+__all__ = ["DRIVE_LIMITS", "DriveLimit", "NotAssessed", "Outcome", "assess_joint", "utilisation_bounds"]
 
 _SIEMENS: Final = "Siemens: SIMOVERT MASTERDRIVES MC compendium, p. 11-15"
 _HARMONIC: Final = "Harmonic Drive: engineering data HFUS-2A, p. 19"
 _HARMONIC_LIFE: Final = "Harmonic Drive: engineering data CSD-2A, p. 20"
 _SHEET: Final = "data sheet"
+_PARTS: Final = {"motor": Motor, "gearbox": Gearbox, "drive": Drive}
+# The unit of a torque at the joint: N where that slides.
+_JOINT: Final = "N m at the joint"
 
 
 @final
@@ -33,228 +40,229 @@ class NotAssessed:
 Outcome = LimitCheck | NotAssessed
 
 
-def assess_joint(demands: Demands) -> tuple[Outcome, ...]:
-    """All checks of one joint, made or not."""
-    return tuple(outcome for check in _CHECKS if (outcome := check(demands)) is not None)
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class DriveLimit:
+    """A limit of a drive train, with what is held against it.
+
+    Attributes
+    ----------
+    quantity : str
+        What readers call the check, and its key.
+    demand : str
+        A property of `Demands`, and of `PairDemands` its bounds.
+    limit : str
+        A value of a part, "motor.max_speed", or a property of both.
+    unit : str
+    kind : {"physics", "vendor procedure", "rule of thumb"}
+        A rule of thumb rejects nothing, and so needs no bounds.
+    source : str or callable
+        Where the limit or its rule comes from, of `Demands` where that depends on them.
+    needs : str
+        What must be known.
+    why : str
+        A property of `Demands` that tells why there is no demand.
+    unless : str
+        A value of a part; where it is known the limit does not apply.
+
+    Raises
+    ------
+    TypeError
+        For a demand or a limit that does not exist both for one drive train and for many.
+    """
+
+    quantity: str
+    demand: str
+    limit: str
+    unit: str
+    kind: Kind
+    source: str | Callable[[Demands], str] = _SHEET
+    needs: str
+    why: str = ""
+    unless: str = ""
+
+    def __post_init__(self) -> None:
+        homes = [Demands] if self.kind == "rule of thumb" else [Demands, PairDemands]
+        for name in (self.demand, self.limit, *filter(None, [self.unless])):
+            part, _, field = name.rpartition(".")
+            for home in [_PARTS[part]] if part else homes:
+                if not hasattr(home, field):
+                    raise TypeError(f"check {self.quantity!r}: {home.__name__} has no {field!r}")
+
+    def outcome(self, demands: Demands) -> Outcome | None:
+        """One drive train held to it; None where it does not apply.
+
+        Returns
+        -------
+        LimitCheck, NotAssessed or None
+        """
+        joint = demands.load.joint
+        if self.unless and not np.isnan(_value(demands, self.unless)):
+            return None
+        if self.why and (reason := getattr(demands, self.why)):
+            return NotAssessed(joint=joint, quantity=self.quantity, reason=reason)
+        demand, limit = getattr(demands, self.demand), _value(demands, self.limit)
+        peak = demand if isinstance(demand, Peak) else Peak(demand, np.nan)
+        if np.isnan(limit) or np.isnan(peak.size):
+            return NotAssessed(joint=joint, quantity=self.quantity, reason=f"needs {self.needs}")
+        unit = ("N" if demands.load.is_prismatic else "N m") if self.unit == _JOINT else self.unit
+        return LimitCheck.of_magnitude(
+            joint=joint,
+            quantity=self.quantity,
+            demand=peak.size,
+            limit=limit,
+            unit=unit,
+            time=peak.time,
+            kind=self.kind,
+            source=self.source if isinstance(self.source, str) else self.source(demands),
+        )
+
+    def bounds(self, demands: PairDemands) -> Bounds:
+        """Utilisation by many drive trains at once; NaN where it is not assessed.
+
+        Returns
+        -------
+        Bounds
+        """
+        limit = _values(demands, self.limit)
+        if self.unless:
+            limit = np.where(np.isnan(_values(demands, self.unless)), limit, np.nan)
+        return utilisation(getattr(demands, self.demand), limit, demands.table)
 
 
-def _held(
-    demands: Demands, quantity: str, peak: Peak, limit: float, *, unit: str, kind: Kind, source: str, needs: str
-) -> Outcome:
-    """A check, unless demand or limit is unknown."""
-    if np.isnan(limit) or np.isnan(peak.size):
-        return NotAssessed(joint=demands.load.joint, quantity=quantity, reason=f"needs {needs}")
-    return LimitCheck.of_magnitude(
-        joint=demands.load.joint,
-        quantity=quantity,
-        demand=peak.size,
-        limit=limit,
-        unit=unit,
-        time=peak.time,
-        kind=kind,
-        source=source,
-    )
+def _value(demands: Demands, name: str) -> float:
+    part, _, field = name.rpartition(".")
+    return float(getattr(getattr(demands.train, part) if part else demands, field))
 
 
-def _mean(size: float) -> Peak:
-    return Peak(size, np.nan)
+def _values(demands: PairDemands, name: str) -> Array:
+    part, _, field = name.rpartition(".")
+    return demands.limit(part, field) if part else np.asarray(getattr(demands, field))
 
 
-def _joint_unit(demands: Demands) -> str:
-    return "N" if demands.load.is_prismatic else "N m"
+def _heat_balance(demands: Demands) -> str:
+    return f"heat balance of {'one node' if len(demands.train.motor.thermal_resistances) == 1 else 'two nodes'}"
 
 
-# ---- motor
-
-
-def _effort(d: Demands) -> Outcome:
-    peak = Peak(d.train.ratio * d.peak_torque.size, d.peak_torque.time)
-    return _held(
-        d, "actuator effort at the joint", peak, d.train.max_effort, unit=_joint_unit(d), kind="physics", source=_SHEET,
+DRIVE_LIMITS: Final = (
+    DriveLimit(
+        quantity="actuator effort at the joint", demand="peak_effort", limit="max_effort", unit=_JOINT, kind="physics",
         needs="the effort limit of the whole actuator",
-    )  # fmt: skip
-
-
-def _motor_torque(d: Demands) -> Outcome:
-    return _held(
-        d, "motor torque", d.peak_torque, d.train.motor.peak_torque, unit="N m", kind="physics", source=_SHEET,
+    ),
+    DriveLimit(
+        quantity="motor torque", demand="peak_torque", limit="motor.peak_torque", unit="N m", kind="physics",
         needs="the motor's peak torque",
-    )  # fmt: skip
-
-
-def _rms_torque(d: Demands) -> Outcome:
-    limit = d.train.motor.continuous_torque_at(d.mean_speed)
-    return _held(
-        d, "RMS motor torque at mean speed", _mean(d.rms_torque), limit, unit="N m", kind="vendor procedure",
-        source=_SIEMENS, needs="the motor's continuous torque or S1 curve",
-    )  # fmt: skip
-
-
-def _torque_at_speed(d: Demands) -> Outcome:
-    quantity, curve = "motor torque at speed", d.train.motor.peak_curve
-    peak, limit = Peak(np.nan, np.nan), np.nan
-    if len(curve) and not np.isnan(d.load.unbounded):
-        peak, limit = d.peak_torque, float(curve[0, 1])
-    elif len(curve):
-        _, size, limit, time = torque_at_speed(d.motor, curve)
-        peak = Peak(size, time)
-    return _held(
-        d, quantity, peak, limit, unit="N m", kind="vendor procedure", source=_SIEMENS,
-        needs="the motor's peak torque over speed",
-    )  # fmt: skip
-
-
-def _voltage(d: Demands) -> Outcome:
-    return _held(
-        d, "voltage at torque and speed", d.peak_voltage, d.train.drive.bus_voltage, unit="V", kind="physics",
-        source="equivalent direct-current motor", needs="torque constant, resistance and bus voltage",
-    )  # fmt: skip
-
-
-def _motor_speed(d: Demands) -> Outcome:
-    return _held(
-        d, "motor speed", d.peak_speed, d.train.motor.max_speed, unit="rad/s", kind="physics", source=_SHEET,
+    ),
+    DriveLimit(
+        quantity="RMS motor torque at mean speed", demand="rms_torque", limit="continuous_torque", unit="N m",
+        kind="vendor procedure", source=_SIEMENS, needs="the motor's continuous torque or S1 curve",
+    ),
+    DriveLimit(
+        quantity="motor torque at speed", demand="torque_at_speed", limit="torque_at_speed_limit", unit="N m",
+        kind="vendor procedure", source=_SIEMENS, needs="the motor's peak torque over speed",
+    ),
+    DriveLimit(
+        quantity="voltage at torque and speed", demand="peak_voltage", limit="drive.bus_voltage", unit="V",
+        kind="physics", source="equivalent direct-current motor", needs="torque constant, resistance and bus voltage",
+    ),
+    DriveLimit(
+        quantity="motor speed", demand="peak_speed", limit="motor.max_speed", unit="rad/s", kind="physics",
         needs="the motor's speed limit",
-    )  # fmt: skip
-
-
-def _motor_power(d: Demands) -> Outcome:
-    return _held(
-        d, "motor power", d.peak_power, d.train.motor.peak_power, unit="W", kind="physics", source=_SHEET,
+    ),
+    DriveLimit(
+        quantity="motor power", demand="peak_power", limit="motor.peak_power", unit="W", kind="physics",
         needs="the motor's peak power",
-    )  # fmt: skip
-
-
-def _inertia_ratio(d: Demands) -> Outcome:
-    return _held(
-        d, "inertia ratio", d.inertia_ratio, d.train.motor.max_inertia_ratio, unit="", kind="rule of thumb",
-        source="recommendation of motor makers", needs="the motor's rotor inertia and recommended inertia ratio",
-    )  # fmt: skip
-
-
-def _winding(d: Demands) -> Outcome:
-    """The rise over ambient, so that the utilisation does not depend on where the scale begins."""
-    motor, quantity = d.train.motor, "winding temperature rise"
-    if d.why_no_temperature:
-        return NotAssessed(joint=d.load.joint, quantity=quantity, reason=d.why_no_temperature)
-    limit = float(np.maximum(motor.max_winding_celsius - d.train.ambient_celsius, 0.0))
-    nodes = "one node" if len(motor.thermal_resistances) == 1 else "two nodes"
-    return _held(
-        d, quantity, d.peak_temperature_rise, limit, unit="K", kind="physics", source=f"heat balance of {nodes}",
-        needs="the winding's highest temperature",
-    )  # fmt: skip
-
-
-# ---- drive
-
-
-def _peak_current(d: Demands) -> Outcome:
-    return _held(
-        d, "peak current", d.peak_current, d.train.drive.peak_current, unit="A", kind="physics", source=_SHEET,
+    ),
+    DriveLimit(
+        quantity="winding temperature rise", demand="peak_temperature_rise", limit="max_temperature_rise", unit="K",
+        kind="physics", source=_heat_balance, needs="the winding's highest temperature", why="why_no_temperature",
+    ),
+    DriveLimit(
+        quantity="inertia ratio", demand="inertia_ratio", limit="motor.max_inertia_ratio", unit="",
+        kind="rule of thumb", source="recommendation of motor makers",
+        needs="the motor's rotor inertia and recommended inertia ratio",
+    ),
+    DriveLimit(
+        quantity="peak current", demand="peak_current", limit="drive.peak_current", unit="A", kind="physics",
         needs="torque constant and the drive's peak current",
-    )  # fmt: skip
-
-
-def _rms_current(d: Demands) -> Outcome:
-    return _held(
-        d, "RMS current", _mean(d.rms_current), d.train.drive.continuous_current, unit="A", kind="vendor procedure",
-        source=_SIEMENS, needs="torque constant and the drive's continuous current",
-    )  # fmt: skip
-
-
-def _drawn_power(d: Demands) -> Outcome:
-    return _held(
-        d, "drawn electric power", d.peak_drawn_power, d.train.drive.peak_power, unit="W", kind="physics",
-        source=_SHEET, needs="torque constant, resistance and the drive's peak power",
-    )  # fmt: skip
-
-
-def _mean_power(d: Demands) -> Outcome:
-    mean = d.electric_energy[0] / d.load.duration if np.isnan(d.load.unbounded) else np.inf
-    return _held(
-        d, "mean drawn electric power", _mean(mean), d.train.drive.continuous_power, unit="W", kind="vendor procedure",
-        source=_SHEET, needs="torque constant, resistance and the drive's continuous power",
-    )  # fmt: skip
-
-
-def _returned_power(d: Demands) -> Outcome:
-    return _held(
-        d, "returned electric power", d.peak_returned_power, d.train.drive.peak_regenerated_power, unit="W",
-        kind="physics", source=_SHEET, needs="torque constant, resistance and the power that the drive can take back",
-    )  # fmt: skip
-
-
-def _stored_energy(d: Demands) -> Outcome | None:
-    """Without a brake resistor all that comes back must find room on the bus."""
-    if not np.isnan(d.train.drive.brake_resistor_power):
-        return None
-    return _held(
-        d, "returned energy on the bus", _mean(d.regeneration.stored), d.train.drive.storable_energy, unit="J",
-        kind="physics", source="energy balance of the bus",
+    ),
+    DriveLimit(
+        quantity="RMS current", demand="rms_current", limit="drive.continuous_current", unit="A",
+        kind="vendor procedure", source=_SIEMENS, needs="torque constant and the drive's continuous current",
+    ),
+    DriveLimit(
+        quantity="drawn electric power", demand="peak_drawn_power", limit="drive.peak_power", unit="W", kind="physics",
+        needs="torque constant, resistance and the drive's peak power",
+    ),
+    DriveLimit(
+        quantity="mean drawn electric power", demand="mean_drawn_power", limit="drive.continuous_power", unit="W",
+        kind="vendor procedure", needs="torque constant, resistance and the drive's continuous power",
+    ),
+    DriveLimit(
+        quantity="returned electric power", demand="peak_returned_power", limit="drive.peak_regenerated_power",
+        unit="W", kind="physics", needs="torque constant, resistance and the power that the drive can take back",
+    ),
+    # Without a brake resistor all that comes back must find room on the bus.
+    DriveLimit(
+        quantity="returned energy on the bus", demand="stored_energy", limit="drive.storable_energy", unit="J",
+        kind="physics", source="energy balance of the bus", unless="drive.brake_resistor_power",
         needs="torque constant, resistance and the energy that the bus can store",
-    )  # fmt: skip
-
-
-def _brake_resistor(d: Demands) -> Outcome:
-    return _held(
-        d, "mean brake-resistor power", _mean(d.regeneration.braked / d.load.duration),
-        d.train.drive.brake_resistor_power, unit="W", kind="physics", source="energy balance of the bus",
+    ),
+    DriveLimit(
+        quantity="mean brake-resistor power", demand="mean_braked_power", limit="drive.brake_resistor_power", unit="W",
+        kind="physics", source="energy balance of the bus",
         needs="torque constant, resistance and the brake resistor's power",
-    )  # fmt: skip
-
-
-# ---- gearbox
-
-
-def _average_torque(d: Demands) -> Outcome:
-    quantity, limit = "gearbox average torque", d.train.gearbox.max_average_torque
-    if np.isnan(d.average_load_torque):
-        return NotAssessed(joint=d.load.joint, quantity=quantity, reason="the joint never moves")
-    return _held(
-        d, quantity, _mean(d.average_load_torque), limit, unit=_joint_unit(d), kind="vendor procedure",
-        source=_HARMONIC, needs="the gearbox's limit of the average torque",
-    )  # fmt: skip
-
-
-def _repeated_peak(d: Demands) -> Outcome:
-    return _held(
-        d, "gearbox repeated peak torque", d.peak_load_torque, d.train.gearbox.max_repeated_torque,
-        unit=_joint_unit(d), kind="vendor procedure", source=_HARMONIC, needs="the gearbox's limit of repeated peaks",
-    )  # fmt: skip
-
-
-def _momentary_peak(d: Demands) -> Outcome:
-    return _held(
-        d, "gearbox momentary peak torque", _mean(d.train.momentary_torque), d.train.gearbox.max_momentary_torque,
-        unit=_joint_unit(d), kind="vendor procedure", source=_HARMONIC,
+    ),
+    DriveLimit(
+        quantity="gearbox average torque", demand="average_load_torque", limit="gearbox.max_average_torque",
+        unit=_JOINT, kind="vendor procedure", source=_HARMONIC, why="why_no_average",
+        needs="the gearbox's limit of the average torque",
+    ),
+    DriveLimit(
+        quantity="gearbox repeated peak torque", demand="peak_load_torque", limit="gearbox.max_repeated_torque",
+        unit=_JOINT, kind="vendor procedure", source=_HARMONIC, needs="the gearbox's limit of repeated peaks",
+    ),
+    DriveLimit(
+        quantity="gearbox momentary peak torque", demand="momentary_torque", limit="gearbox.max_momentary_torque",
+        unit=_JOINT, kind="vendor procedure", source=_HARMONIC,
         needs="the torque of a collision or emergency stop, and the gearbox's limit of momentary peaks",
-    )  # fmt: skip
-
-
-def _average_input_speed(d: Demands) -> Outcome:
-    return _held(
-        d, "gearbox average input speed", _mean(d.mean_speed), d.train.gearbox.max_average_input_speed, unit="rad/s",
-        kind="vendor procedure", source=_HARMONIC, needs="the gearbox's limit of the average input speed",
-    )  # fmt: skip
-
-
-def _input_speed(d: Demands) -> Outcome:
-    return _held(
-        d, "gearbox input speed", d.peak_speed, d.train.gearbox.max_input_speed, unit="rad/s",
+    ),
+    DriveLimit(
+        quantity="gearbox average input speed", demand="mean_speed", limit="gearbox.max_average_input_speed",
+        unit="rad/s", kind="vendor procedure", source=_HARMONIC,
+        needs="the gearbox's limit of the average input speed",
+    ),
+    DriveLimit(
+        quantity="gearbox input speed", demand="peak_speed", limit="gearbox.max_input_speed", unit="rad/s",
         kind="vendor procedure", source=_HARMONIC, needs="the gearbox's limit of the input speed",
-    )  # fmt: skip
-
-
-def _life(d: Demands) -> Outcome:
-    """The life that is asked for is the demand, the expected one the limit."""
-    return _held(
-        d, "gearbox life", _mean(d.train.required_life_hours), d.expected_life_hours, unit="h", kind="vendor procedure",
-        source=_HARMONIC_LIFE, needs="a required life, and the gearbox's rated life, torque and speed",
-    )  # fmt: skip
-
-
-_CHECKS: Final[tuple[Callable[[Demands], Outcome | None], ...]] = (
-    _effort, _motor_torque, _rms_torque, _torque_at_speed, _voltage, _motor_speed, _motor_power, _winding,
-    _inertia_ratio, _peak_current, _rms_current, _drawn_power, _mean_power, _returned_power, _stored_energy,
-    _brake_resistor, _average_torque, _repeated_peak, _momentary_peak, _average_input_speed, _input_speed, _life,
+    ),
+    # The life that is asked for is the demand, the expected one the limit.
+    DriveLimit(
+        quantity="gearbox life", demand="required_life_hours", limit="expected_life_hours", unit="h",
+        kind="vendor procedure", source=_HARMONIC_LIFE,
+        needs="a required life, and the gearbox's rated life, torque and speed",
+    ),
 )  # fmt: skip
+"""Every check of a drive train, in the order of its documents."""
+
+
+def assess_joint(demands: Demands) -> tuple[Outcome, ...]:
+    """All checks of one joint, made or not.
+
+    Returns
+    -------
+    tuple of LimitCheck or NotAssessed
+    """
+    return tuple(outcome for limit in DRIVE_LIMITS if (outcome := limit.outcome(demands)) is not None)
+
+
+def utilisation_bounds(grid: LoadGrid, table: PairTable) -> dict[str, Bounds]:
+    """Utilisation of each limit that can reject by all pairs at a joint.
+
+    Returns
+    -------
+    dict of str to Bounds
+        By the quantities of `assess_joint`.
+    """
+    demands = PairDemands(grid=grid, table=table)
+    return {limit.quantity: limit.bounds(demands) for limit in DRIVE_LIMITS if limit.kind != "rule of thumb"}

@@ -11,7 +11,7 @@ import numpy as np
 from puma_septic.drives import Drivetrain
 from puma_septic.errors import NoSolution, PumaSepticError
 from puma_septic.piecewise import Piecewise
-from puma_septic.sizing.curves import voltage
+from puma_septic.sizing.curves import torque_at_speed, voltage
 from puma_septic.sizing.electrical import Regeneration, electric_power, energies, regeneration
 from puma_septic.sizing.gearbox import average_load_torque, expected_life
 from puma_septic.sizing.loads import JointLoad, MotorLoad
@@ -66,6 +66,16 @@ class Demands:
         return self._peak(self.motor.torque)
 
     @cached_property
+    def peak_effort(self) -> Peak:
+        """The same referred to the joint, N m (N)."""
+        return Peak(self.train.ratio * self.peak_torque.size, self.peak_torque.time)
+
+    @property
+    def max_effort(self) -> float:
+        """Limit of `peak_effort`."""
+        return self.train.max_effort
+
+    @cached_property
     def rms_torque(self) -> float:
         """Of the motor over the whole cycle, N m."""
         return self.motor.rms_torque
@@ -92,6 +102,32 @@ class Demands:
     def mean_speed(self) -> float:
         """Mean magnitude of the motor's speed over the whole cycle, rad/s."""
         return self.motor.mean_speed
+
+    @property
+    def continuous_torque(self) -> float:
+        """Limit of `rms_torque`: of the S1 curve where there is one."""
+        return self.train.motor.continuous_torque_at(self.mean_speed)
+
+    @cached_property
+    def _at_speed(self) -> tuple[Peak, float]:
+        """Torque and limit where the motor comes closest to, or farthest beyond, its curve of torque over speed."""
+        curve = self.train.motor.peak_curve
+        if not len(curve):
+            return _UNKNOWN, np.nan
+        if not np.isnan(self.load.unbounded):
+            return self.peak_torque, float(curve[0, 1])
+        _, size, limit, time = torque_at_speed(self.motor, curve)
+        return Peak(size, time), limit
+
+    @property
+    def torque_at_speed(self) -> Peak:
+        """Of the motor where it uses most of its curve of torque over speed, N m."""
+        return self._at_speed[0]
+
+    @property
+    def torque_at_speed_limit(self) -> float:
+        """The curve there."""
+        return self._at_speed[1]
 
     @cached_property
     def inertia_ratio(self) -> Peak:
@@ -159,6 +195,11 @@ class Demands:
         """Electric energy drawn and returned over the cycle, J."""
         return (np.nan, np.nan) if self.electric_flows is None else _both_signs(self.electric_flows)
 
+    @property
+    def mean_drawn_power(self) -> float:
+        """Electric power drawn, on average over the cycle, W."""
+        return self.electric_energy[0] / self.load.duration if np.isnan(self.load.unbounded) else np.inf
+
     @cached_property
     def regeneration(self) -> Regeneration:
         """What the bus must take up or burn; a bus of unknown capacity is taken to have none."""
@@ -168,6 +209,16 @@ class Demands:
             return Regeneration(stored=np.inf, braked=np.inf)
         storable = float(np.nan_to_num(self.train.drive.storable_energy))
         return regeneration(self.electric_flows, storable=storable, periodic=not self.load.why_not_periodic)
+
+    @property
+    def stored_energy(self) -> float:
+        """What the bus must take up, J."""
+        return self.regeneration.stored
+
+    @property
+    def mean_braked_power(self) -> float:
+        """What the brake resistor must burn, on average over the cycle, W."""
+        return self.regeneration.braked / self.load.duration
 
     @cached_property
     def why_no_temperature(self) -> str:
@@ -225,6 +276,26 @@ class Demands:
             return Peak(np.inf, np.nan)
         found = self.temperature_rise.extrema()
         return Peak(float(found.max[0]), float(found.t_max[0]))
+
+    @property
+    def max_temperature_rise(self) -> float:
+        """Limit of `peak_temperature_rise`, over ambient so that the utilisation knows no zero of the scale, K."""
+        return float(np.maximum(self.train.motor.max_winding_celsius - self.train.ambient_celsius, 0.0))
+
+    @property
+    def why_no_average(self) -> str:
+        """Why there is no average torque of the gears; empty where there is one."""
+        return "the joint never moves" if np.isnan(self.average_load_torque) else ""
+
+    @property
+    def momentary_torque(self) -> float:
+        """Of a collision or emergency stop at the gearbox's output, N m (N)."""
+        return self.train.momentary_torque
+
+    @property
+    def required_life_hours(self) -> float:
+        """That the gearbox is to last."""
+        return self.train.required_life_hours
 
     @cached_property
     def expected_life_hours(self) -> float:

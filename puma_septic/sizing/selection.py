@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from puma_septic.drives import Catalogue, Drivetrain
 from puma_septic.limit_check import AT_LIMIT, LimitCheck, most_used_first
-from puma_septic.sizing.bounds import utilisation_bounds
-from puma_septic.sizing.checks import assess_joint
+from puma_septic.sizing.checks import assess_joint, utilisation_bounds
 from puma_septic.sizing.demands import Demands
 from puma_septic.sizing.grids import LoadGrid, load_grid
 from puma_septic.sizing.loads import JointLoad, motor_load

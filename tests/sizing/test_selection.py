@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import puma_septic as ps
 from puma_septic.drives import Pair
 from puma_septic.limit_check import LimitCheck
-from puma_septic.sizing.bounds import utilisation_bounds
+from puma_septic.sizing.checks import utilisation_bounds
 from puma_septic.sizing.grids import load_grid
 from puma_septic.sizing.pairs import pair_table
 from puma_septic.sizing.selection import RANKS, select_joint

@@ -10,7 +10,7 @@ import pytest
 import puma_septic as ps
 from puma_septic.limit_check import LimitCheck
 from puma_septic.piecewise import Piecewise
-from puma_septic.sizing.checks import NotAssessed, assess_joint
+from puma_septic.sizing.checks import DRIVE_LIMITS, DriveLimit, NotAssessed, assess_joint
 
 # One second each of a = 2 rad/s^2, of v = 2 rad/s, of a = -2 rad/s^2, and of rest. The load moves 3 kg m^2 against
 # 4 N m (10, 4, -2, 0 N m at the joint), so the motor drives, drives, brakes and rests. Ratio 10, forward 0.8, backward
@@ -269,3 +269,27 @@ def test_sliding_joints_speak_of_newtons() -> None:
     assert outcome("gearbox repeated peak torque", demands_of(
         gearbox={"max_repeated_torque": 9.0}, load={"is_prismatic": True}
     )).unit == "N"  # fmt: skip
+
+
+# ---- declaring one
+
+
+def declared(**changes: str) -> DriveLimit:
+    row = {"quantity": "motor jerk", "demand": "peak_speed", "limit": "motor.max_speed", "unit": "rad/s", "needs": "it"}
+    return DriveLimit(**{**row, "kind": "physics", **changes})  # type: ignore[arg-type]
+
+
+def test_a_limit_cannot_be_declared_without_its_bounds() -> None:
+    """Once the selection accepted in silence what a new check rejected: bounds stood in another file, by its text."""
+    assert declared().quantity == "motor jerk"
+    with pytest.raises(TypeError, match="check 'motor jerk': PairDemands has no 'inertia_ratio'"):
+        declared(demand="inertia_ratio")
+    with pytest.raises(TypeError, match="check 'motor jerk': Motor has no 'max_jerk'"):
+        declared(limit="motor.max_jerk")
+    with pytest.raises(TypeError, match="check 'motor jerk': Demands has no 'peak_jerk'"):
+        declared(demand="peak_jerk")
+
+
+def test_a_rule_of_thumb_rejects_nothing_and_needs_no_bounds() -> None:
+    assert declared(demand="inertia_ratio", kind="rule of thumb").demand == "inertia_ratio"
+    assert len({limit.quantity for limit in DRIVE_LIMITS}) == len(DRIVE_LIMITS) == 22

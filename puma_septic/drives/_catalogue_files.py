@@ -11,7 +11,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from puma_septic.drives._catalogue import Catalogue, Pair
-from puma_septic.drives._columns import GEARBOX, MOTOR, PAIR, Column, parsed_header
+from puma_septic.drives._columns import GEARBOX, GEARBOX_FIELDS, MOTOR, MOTOR_FIELDS, PAIR, Column, parsed_header
 from puma_septic.drives._parts import Drive, Gearbox, Motor
 from puma_septic.errors import InputError
 from puma_septic.files import decoded, read_bytes
@@ -25,21 +25,6 @@ _MAX_BYTES: Final = 20_000_000
 _UNKNOWN: Final = ("", "nan", "inf")  # how the MGDB and spreadsheets leave a cell open
 # Numbers that no check uses yet.
 _UNUSED: Final = ("L", "omega_nl", "I_nl", "max_cont_power", "pole_pairs", "stages", "stiffness")
-_MOTOR_FIELDS: Final = {
-    "inertia": "rotor_inertia", "k_t": "torque_constant", "R": "resistance", "mass": "mass", "cost": "cost",
-    "coulomb_friction": "coulomb_friction", "viscous_friction": "viscous_friction", "max_int_torque": "peak_torque",
-    "max_int_speed": "max_speed", "max_int_power": "peak_power", "T_max": "max_winding_celsius",
-    "max_inertia_ratio": "max_inertia_ratio", "peak": "peak_curve", "S1": "continuous_curve",
-    "max_cont_torque": "continuous_torque",
-}  # fmt: skip
-_GEARBOX_FIELDS: Final = {
-    "ratio": "ratio", "mass": "mass", "inertia": "inertia", "efficiency": "efficiency", "cost": "cost",
-    "backdrive_efficiency": "backward_efficiency", "no_load_torque": "no_load_torque", "T_N": "rated_torque",
-    "n_N": "rated_speed", "L_n": "rated_life_hours", "max_cont_torque": "max_average_torque",
-    "max_int_torque": "max_repeated_torque", "T_A": "max_average_torque", "T_R": "max_repeated_torque",
-    "T_M": "max_momentary_torque", "n_in_av": "max_average_input_speed", "n_in_max": "max_input_speed",
-}  # fmt: skip
-
 _FRICTION_FIELDS: Final = {
     "coulomb_positive": "coulomb", "coulomb_negative": "coulomb", "viscous_friction": "viscous",
     "stribeck_velocity": "stribeck_velocity", "load_share": "load_share", "static_positive": "static",
@@ -148,7 +133,7 @@ def _source(row: _Row, path: Path) -> str:
 
 
 def _motor(row: _Row, source: str) -> Motor:
-    values, fields = row.values, _fields(row, _MOTOR_FIELDS)
+    values, fields = row.values, _fields(row, MOTOR_FIELDS)
     k_t, current = values.get("k_t", np.nan), values.get("I_nom", np.nan)
     if "peak_torque" not in fields and not np.isnan(k_t) and "I_peak" in values:
         fields["peak_torque"] = k_t * values["I_peak"]
@@ -164,19 +149,19 @@ def _motor(row: _Row, source: str) -> Motor:
         nodes = [("Rth1", "tau_w"), *([("Rth2", "tau_h")] if "Rth2" in values else [])]
         fields["thermal_resistances"] = [values[name] for name, _ in nodes]
         fields["thermal_time_constants"] = [values[name] for _, name in nodes]
-    motor: Motor = _made(Motor, {"name": row.texts["key"], "source": source}, fields, row, _MOTOR_FIELDS)
+    motor: Motor = _made(Motor, {"name": row.texts["key"], "source": source}, fields, row, MOTOR_FIELDS)
     return motor
 
 
 def _gearbox(row: _Row, source: str) -> Gearbox:
-    fields = _fields(row, _GEARBOX_FIELDS)
+    fields = _fields(row, GEARBOX_FIELDS)
     if "ratio" not in fields:
         raise InputError(f"{row.where}, column 'ratio': the cell is empty, and nothing can be said without it")
     if (direction := row.values.get("direction", 1.0)) not in (1.0, -1.0):
         raise InputError(f"{row.where}, column 'direction': {direction:g} is neither 1 nor -1")
     fields["ratio"] *= direction
     needed = {"name": row.texts["key"], "source": source, "ratio": 1.0}
-    gearbox: Gearbox = _made(Gearbox, needed, fields, row, _GEARBOX_FIELDS)
+    gearbox: Gearbox = _made(Gearbox, needed, fields, row, GEARBOX_FIELDS)
     return gearbox
 
 

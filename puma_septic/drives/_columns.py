@@ -6,7 +6,9 @@ import re
 from math import pi
 from typing import Final, NamedTuple
 
-__all__ = ["GEARBOX", "MOTOR", "PAIR", "Column", "parsed_header"]
+from puma_septic.drives._parts import GEARBOX_UNITS, MOTOR_UNITS
+
+__all__ = ["GEARBOX", "GEARBOX_FIELDS", "MOTOR", "MOTOR_FIELDS", "PAIR", "Column", "parsed_header"]
 
 # Unit in SI, then those understood and how many SI units each is; spaces, points and stars inside do not count.
 _UNITS: Final[dict[str, dict[str, float]]] = {
@@ -41,7 +43,7 @@ class Column(NamedTuple):
 
 # The first lines are those of the MGDB, a public database of motors and gearboxes, as its README gives them; the rest
 # are additions. A column that no check uses is accepted all the same.
-MOTOR: Final[dict[str, Column]] = {
+_MOTOR: Final[dict[str, Column]] = {
     "key": Column(None, True), "manufacturer": Column(), "ID": Column(), "type": Column(), "V": Column("V"),
     "k_t": Column("N m/A"), "R": Column("ohm"), "L": Column("H"), "mass": Column("kg", True),
     "inertia": Column("kg m^2", True), "omega_nl": Column("rad/s"), "I_nl": Column("A"), "I_nom": Column("A"),
@@ -53,7 +55,7 @@ MOTOR: Final[dict[str, Column]] = {
     "I_peak": Column("A"), "pole_pairs": Column(""), "max_inertia_ratio": Column(""), "cost": Column(""),
     "source": Column(),
 }  # fmt: skip
-GEARBOX: Final[dict[str, Column]] = {
+_GEARBOX: Final[dict[str, Column]] = {
     "key": Column(None, True), "manufacturer": Column(), "ID": Column(), "type": Column(), "stages": Column(""),
     "ratio": Column("", True), "mass": Column("kg", True), "inertia": Column("kg m^2", True),
     "efficiency": Column("", True), "direction": Column(""), "max_int_torque": Column("N m"),
@@ -68,6 +70,27 @@ PAIR: Final[dict[str, Column]] = {
     "static_positive": Column("N m"), "static_negative": Column("N m"), "stribeck_velocity": Column("rad/s"),
     "load_share": Column(""), "source": Column(),
 }  # fmt: skip
+# The values of a part that the columns are, and those that no column of the database is, which have their own name.
+_MOTOR_FIELDS: Final = {
+    "inertia": "rotor_inertia", "k_t": "torque_constant", "R": "resistance", "mass": "mass", "cost": "cost",
+    "coulomb_friction": "coulomb_friction", "viscous_friction": "viscous_friction", "max_int_torque": "peak_torque",
+    "max_int_speed": "max_speed", "max_int_power": "peak_power", "T_max": "max_winding_celsius",
+    "max_inertia_ratio": "max_inertia_ratio", "peak": "peak_curve", "S1": "continuous_curve",
+    "max_cont_torque": "continuous_torque",
+}  # fmt: skip
+_GEARBOX_FIELDS: Final = {
+    "ratio": "ratio", "mass": "mass", "inertia": "inertia", "efficiency": "efficiency", "cost": "cost",
+    "backdrive_efficiency": "backward_efficiency", "no_load_torque": "no_load_torque", "T_N": "rated_torque",
+    "n_N": "rated_speed", "L_n": "rated_life_hours", "max_cont_torque": "max_average_torque",
+    "max_int_torque": "max_repeated_torque", "T_A": "max_average_torque", "T_R": "max_repeated_torque",
+    "T_M": "max_momentary_torque", "n_in_av": "max_average_input_speed", "n_in_max": "max_input_speed",
+}  # fmt: skip
+MOTOR_FIELDS: Final = _MOTOR_FIELDS | {name: name for name in MOTOR_UNITS if name not in _MOTOR_FIELDS.values()}
+GEARBOX_FIELDS: Final = _GEARBOX_FIELDS | {name: name for name in GEARBOX_UNITS if name not in _GEARBOX_FIELDS.values()}
+MOTOR: Final = _MOTOR | {name: Column(MOTOR_UNITS[name]) for name in MOTOR_FIELDS if name not in _MOTOR_FIELDS}
+GEARBOX: Final = _GEARBOX | {
+    name: Column(GEARBOX_UNITS[name]) for name in GEARBOX_FIELDS if name not in _GEARBOX_FIELDS
+}
 
 
 def parsed_header(text: str, columns: dict[str, Column]) -> tuple[str, float]:

@@ -12,7 +12,7 @@ import numpy as np
 from puma_septic.errors import InputError
 from puma_septic.validation import Array, checked_array, checked_number
 
-__all__ = ["ABSOLUTE_ZERO_CELSIUS", "Drive", "Gearbox", "Motor"]
+__all__ = ["ABSOLUTE_ZERO_CELSIUS", "GEARBOX_UNITS", "MOTOR_UNITS", "Drive", "Gearbox", "Motor"]
 
 ABSOLUTE_ZERO_CELSIUS: Final = -273.15  # by the definition of the scale
 # Resistivity of copper, per K at 20 degrees Celsius: the customary value; some data sheets print 0.0039.
@@ -23,6 +23,23 @@ _POSITIVE: Final = {"above": 0.0}
 _NOT_NEGATIVE: Final = {"at_least": 0.0}
 _SHARE: Final = {"above": 0.0, "at_most": 1.0}
 _BACKWARD_SHARE: Final = {"at_least": 0.0, "at_most": 1.0}
+# Values of the parts, with their units.
+_MOTOR_POSITIVE: Final = {
+    "torque_constant": "N m/A", "peak_torque": "N m", "continuous_torque": "N m", "max_speed": "rad/s",
+    "peak_power": "W", "max_inertia_ratio": "",
+}  # fmt: skip
+_MOTOR_NOT_NEGATIVE: Final = {
+    "rotor_inertia": "kg m^2", "viscous_friction": "N m s/rad", "coulomb_friction": "N m", "resistance": "ohm",
+    "mass": "kg", "cost": "",
+}  # fmt: skip
+_GEARBOX_POSITIVE: Final = {
+    "rated_torque": "N m", "rated_speed": "rad/s", "rated_life_hours": "h", "max_average_torque": "N m",
+    "max_repeated_torque": "N m", "max_momentary_torque": "N m", "max_average_input_speed": "rad/s",
+    "max_input_speed": "rad/s",
+}  # fmt: skip
+_GEARBOX_NOT_NEGATIVE: Final = {"inertia": "kg m^2", "no_load_torque": "N m", "mass": "kg", "cost": ""}
+MOTOR_UNITS: Final = _MOTOR_POSITIVE | _MOTOR_NOT_NEGATIVE
+GEARBOX_UNITS: Final = _GEARBOX_POSITIVE | _GEARBOX_NOT_NEGATIVE
 
 
 def _check(part: object, units: Mapping[str, str], bounds: Mapping[str, float]) -> None:
@@ -146,16 +163,8 @@ class Motor:
 
     def __post_init__(self) -> None:
         _check_texts(self)
-        positive = {
-            "torque_constant": "N m/A", "peak_torque": "N m", "continuous_torque": "N m", "max_speed": "rad/s",
-            "peak_power": "W", "max_inertia_ratio": "",
-        }  # fmt: skip
-        not_negative = {
-            "rotor_inertia": "kg m^2", "viscous_friction": "N m s/rad", "coulomb_friction": "N m", "resistance": "ohm",
-            "mass": "kg", "cost": "",
-        }  # fmt: skip
-        _check(self, positive, _POSITIVE)
-        _check(self, not_negative, _NOT_NEGATIVE)
+        _check(self, _MOTOR_POSITIVE, _POSITIVE)
+        _check(self, _MOTOR_NOT_NEGATIVE, _NOT_NEGATIVE)
         _check(self, {"max_winding_celsius": "degrees Celsius"}, {"above": ABSOLUTE_ZERO_CELSIUS})
         checked_number("copper_coefficient", self.copper_coefficient, unit="1/K", at_least=0.0)
         checked_number("reference_celsius", self.reference_celsius, unit="degrees Celsius", above=ABSOLUTE_ZERO_CELSIUS)
@@ -241,13 +250,8 @@ class Gearbox:
         _check(self, {"ratio": ""}, {})
         if self.ratio == 0:
             raise InputError("gear ratio = 0: the ratio of motor speed to joint speed cannot be zero")
-        positive = {
-            "rated_torque": "N m", "rated_speed": "rad/s", "rated_life_hours": "h", "max_average_torque": "N m",
-            "max_repeated_torque": "N m", "max_momentary_torque": "N m", "max_average_input_speed": "rad/s",
-            "max_input_speed": "rad/s",
-        }  # fmt: skip
-        _check(self, positive, _POSITIVE)
-        _check(self, {"inertia": "kg m^2", "no_load_torque": "N m", "mass": "kg", "cost": ""}, _NOT_NEGATIVE)
+        _check(self, _GEARBOX_POSITIVE, _POSITIVE)
+        _check(self, _GEARBOX_NOT_NEGATIVE, _NOT_NEGATIVE)
         _check(self, {"efficiency": ""}, _SHARE)
         _check(self, {"backward_efficiency": ""}, _BACKWARD_SHARE)
 

@@ -15,7 +15,7 @@ __all__ = ["html"]
 
 Document = Mapping[str, Any]
 
-# The columns of the drives; the last three where a joint has them.
+# The columns of the drives, those of optional terms where a joint has them.
 _DRIVE: Final = {
     "gear_ratio": "gear ratio",
     "rotor_inertia": "rotor inertia [kg m²]",
@@ -73,7 +73,8 @@ def _limit(joint: Document, name: str) -> str:
 
 
 def _drive_table(joints: Sequence[Document]) -> str:
-    columns = {key: title for key, title in _DRIVE.items() if any(key in joint["actuator"] for joint in joints)}
+    keys = dict.fromkeys(key for joint in joints for key in joint["actuator"] if key != "source")
+    columns = {key: _DRIVE.get(key, key.replace("_", " ")) for key in keys}
     rows: list[list[Cell]] = [
         [joint["name"], *(_values(joint["actuator"].get(key)) for key in columns)] for joint in joints
     ]

@@ -62,6 +62,7 @@ _HOMES: Final = {
     "load_drivetrains": "robot",
     "load_robot": "robot",
     "load_task": "task",
+    "lowest_points": "kinematics",
     "lspb": "profiles",
     "optimise_via_times": "optimisation",
     "own_drivetrains": "robot",
@@ -123,6 +124,7 @@ if TYPE_CHECKING:
     from puma_septic.kinematics import inverse_kinematics as inverse_kinematics
     from puma_septic.kinematics import inverse_kinematics_batch as inverse_kinematics_batch
     from puma_septic.kinematics import jacobian as jacobian
+    from puma_septic.kinematics import lowest_points as lowest_points
     from puma_septic.kinematics import tool_motion as tool_motion
     from puma_septic.logs import fit_residual as fit_residual
     from puma_septic.logs import fit_trajectory as fit_trajectory

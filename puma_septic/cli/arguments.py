@@ -155,6 +155,16 @@ def _add_ik(parser: ArgumentParser) -> None:
         metavar=("R", "P", "Y"),
         help="its turns about the fixed axes x, y, z, in this order, degrees (0 0 0 by default)",
     )
+    parser.add_argument(
+        "--axis",
+        nargs=3,
+        type=_finite,
+        metavar=("X", "Y", "Z"),
+        help="where the tool's z axis points, instead of its turns: for arms with five axes",
+    )
+    parser.add_argument(
+        "--position-only", action="store_true", help="any turn of the tool will do: for arms with fewer than six axes"
+    )
     parser.add_argument("--frame", help="frame that it is given in, fixed to the world ('world' by default)")
     parser.add_argument("--format", choices=("text", "json"), default="text", help="of what is printed")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from typing import Any
+from typing import Any, Final
 
 from puma_septic._version import __version__
 from puma_septic.cli.arguments import Answer
@@ -11,13 +11,16 @@ from puma_septic.cli.tasks import asked_robot, asked_task
 from puma_septic.cli.texts import wrapped
 from puma_septic.document import SCHEMAS
 from puma_septic.errors import InputError
-from puma_septic.kinematics import CONFIGURATIONS, IkSolutions, rtb_names
+from puma_septic.kinematics import CONFIGURATIONS, IkSolutions, lowest_points, rtb_names
 from puma_septic.report import to_json
 from puma_septic.robot import Robot
 from puma_septic.task import Posed, Task, make_task, solve_points
 from puma_septic.views.tables import Cell, text_table
 
 __all__ = ["run"]
+
+# What stands on the ground is not below it, m.
+_ROUNDING: Final = 1e-9
 
 
 def run(arguments: Namespace) -> Answer:
@@ -36,8 +39,8 @@ def run(arguments: Namespace) -> Answer:
 def _asked(arguments: Namespace) -> Task:
     """The task, or one made of the single pose on the command line."""
     if arguments.position is None:
-        for name in ("rpy_deg", "frame"):
-            if getattr(arguments, name) is not None:
+        for name in ("rpy_deg", "axis", "position_only", "frame"):
+            if getattr(arguments, name) not in (None, False):
                 raise InputError(f"--{name.replace('_', '-')} goes with --position")
         return asked_task(arguments, "paper")
     if arguments.task is not None:
@@ -47,12 +50,22 @@ def _asked(arguments: Namespace) -> Task:
             "name": "pose",
             "robot": asked_robot(arguments, {}),
             "frame": arguments.frame or "world",
-            "points": [{"name": "pose", "position": arguments.position, "rpy_deg": arguments.rpy_deg or [0.0] * 3}],
+            "points": [{"name": "pose", "position": arguments.position, **_turned(arguments)}],
             "durations": [],
             "profiles": ["quintic_segments"],
         },
         origin="command line",
     )
+
+
+def _turned(arguments: Namespace) -> dict[str, list[float]]:
+    """What the command line says about the tool's turn, as a point of a task has it."""
+    given = [name for name in ("rpy_deg", "axis", "position_only") if getattr(arguments, name) not in (None, False)]
+    if len(given) > 1:
+        raise InputError(f"give one of {' and '.join(f'--{name}'.replace('_', '-') for name in given)}")
+    if arguments.position_only:
+        return {}
+    return {"axis": arguments.axis} if arguments.axis else {"rpy_deg": arguments.rpy_deg or [0.0] * 3}
 
 
 def _text(task: Task, robot: Robot, posed: list[tuple[str, Posed]]) -> str:
@@ -61,16 +74,25 @@ def _text(task: Task, robot: Robot, posed: list[tuple[str, Posed]]) -> str:
 
 
 def _table(robot: Robot, solutions: IkSolutions) -> str:
+    lowest = lowest_points(robot, solutions.q)
     rows: list[list[Cell]] = [
-        [name, *(f"{angle:.4f}" for angle in solutions.q[k]), _beyond(robot, solutions, k)]
-        for k, name in enumerate(solutions.configurations)
+        [name, *(f"{angle:.4f}" for angle in q), f"{height:.3f} {part}", _beyond(robot, solutions, k)]
+        for k, (name, q, height, part) in enumerate(
+            zip(solutions.configurations, solutions.q, lowest.height, lowest.parts, strict=True)
+        )
     ]
     singular = [
         f"{name} stands at the singularity of: {', '.join(kinds)}"
         for name, kinds in zip(solutions.configurations, solutions.singular, strict=True)
         if kinds
     ]
-    return "\n".join([text_table(["branch", *robot.joint_names, "beyond limits"], rows), *singular])
+    extent = f"{solutions.extent[0].upper()}{solutions.extent[1:]}"
+    below = int((lowest.height < -_ROUNDING).sum())
+    remarks = [f"{extent}." if solutions.is_complete else f"{extent}; there may be others."]
+    if below:
+        remarks.append(f"{below} of them {'goes' if below == 1 else 'go'} below the base (height 0).")
+    table = text_table(["branch", *robot.joint_names, "lowest, m", "beyond limits"], rows)
+    return "\n".join([table, *singular, wrapped(" ".join(remarks))])
 
 
 def _beyond(robot: Robot, solutions: IkSolutions, k: int) -> str:
@@ -102,6 +124,9 @@ def _document(task: Task, robot: Robot, posed: list[tuple[str, Posed]]) -> dict[
             {
                 "name": label,
                 "T_world_tool": point.T_world_tool.tolist(),
+                "constrain": point.constrain,
+                "is_complete": solutions.is_complete,
+                "starts": solutions.starts,
                 "branches": [
                     {
                         "configuration": name,
@@ -110,11 +135,13 @@ def _document(task: Task, robot: Robot, posed: list[tuple[str, Posed]]) -> dict[
                         "within_limits": bool(solutions.within_limits[k]),
                         "singular": list(solutions.singular[k]),
                         "residual": float(solutions.residual[k]),
+                        "lowest": {"height": float(lowest.height[k]), "part": lowest.parts[k]},
                     }
                     for k, name in enumerate(solutions.configurations)
                 ],
             }
             for label, point in posed
             for solutions in [point.solutions]
+            for lowest in [lowest_points(robot, point.solutions.q)]
         ],
     }

@@ -72,9 +72,13 @@ def broken_text(resolved: ResolvedTask) -> str:
         reason = (
             f"Why: all {len(branches)} branches of the inverse kinematics break the position limit of {pairs},"
             " so no profile through these poses can be feasible."
+            if resolved.is_complete
+            else f"Why: every way found through these poses breaks the position limit of {pairs}; there may be others"
+            f" ({resolved.extent})."
         )
     else:
-        reason = f"Why: each of the {len(branches)} branches of the inverse kinematics breaks a position limit."
+        which = f"the {len(branches)} branches of the inverse kinematics" if resolved.is_complete else "the ways found"
+        reason = f"Why: each of {which} breaks a position limit."
     width = 4 + max(len(branch.configuration) for branch in branches)
     lines = [wrapped(f"{reason} How far beyond its limits each joint is at most, in rad:")]
     for branch in branches:
@@ -113,6 +117,8 @@ def _head(resolved: ResolvedTask) -> str:
     ]
     if resolved.has_poses:
         lines.append(f"Branch: {resolved.branch.configuration}{_choice(resolved)}")
+    if resolved.lowest:
+        lines.append(f"Lowest point: {resolved.lowest}")
     return "\n".join(wrapped(line) for line in lines)
 
 
@@ -120,9 +126,11 @@ def _choice(resolved: ResolvedTask) -> str:
     """How the branch came about, where the task left it open."""
     if resolved.task.branch != "auto":
         return ""
+    scope = "" if resolved.is_complete else f" ({resolved.extent})"
     if resolved.branch.is_within_limits:
-        return ", chosen for the least travel of the joints among those within limits"
-    return ", chosen because it is the least beyond its limits: none is within them"
+        above = "" if resolved.task.floor is None or resolved.lowest else " and above the floor"
+        return f", chosen for the least travel of the joints among those within limits{above}{scope}"
+    return f", chosen because it is the least beyond its limits: none is within them{scope}"
 
 
 def margin_text(assessments: Sequence[Assessment], margin: float) -> str:

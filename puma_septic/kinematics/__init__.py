@@ -2,6 +2,7 @@
 
 from puma_septic.kinematics._chain import chain_to, checked_joint_values
 from puma_septic.kinematics._forward import ToolMotion, forward_kinematics, jacobian, tool_motion
+from puma_septic.kinematics._heights import LowestPoints, lowest_points
 from puma_septic.kinematics._inverse import (
     IkBatch,
     IkSolutions,
@@ -16,6 +17,7 @@ __all__ = [
     "CONFIGURATIONS",
     "IkBatch",
     "IkSolutions",
+    "LowestPoints",
     "ToolMotion",
     "chain_to",
     "checked_joint_values",
@@ -23,6 +25,7 @@ __all__ = [
     "inverse_kinematics",
     "inverse_kinematics_batch",
     "jacobian",
+    "lowest_points",
     "rtb_names",
     "singularity_distances",
     "singularity_names",

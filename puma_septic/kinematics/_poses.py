@@ -9,24 +9,29 @@ from puma_septic.errors import InputError
 from puma_septic.kinematics._chain import cross
 from puma_septic.validation import Array, checked_array
 
-__all__ = ["checked_poses", "pose_errors"]
+__all__ = ["RIGIDITY", "checked_poses", "pose_errors"]
 
-# A rotation typed or stored with ten digits passes and is then made orthonormal; one with fewer digits would
-# leave it open which pose is meant.
+# A rotation typed or stored with ten digits passes and is then made orthonormal; one with fewer digits leaves it open
+# which pose is meant, so that how few are accepted is the caller's to say.
 RIGIDITY = 1e-9
+# R^T R of a rotation with two decimals is off by at most this: three products of 0.005, twice.
+_FEW_DECIMALS = 0.03
+# Of one Newton step towards the polar factor: an error of 1e-9 becomes one of 1e-18. Further off it is computed.
+_ONE_STEP = 1e-8
 
 
-def checked_poses(name: str, poses: ArrayLike) -> Array:
+def checked_poses(name: str, poses: ArrayLike, *, tolerance: float = RIGIDITY) -> Array:
     """Return rigid transforms as (4, 3, n): each rotation's three columns and the position, in world
     coordinates.
 
-    A rotation that is orthonormal to 1e-9 is replaced by the nearest one that is so to rounding.
+    A rotation that is orthonormal to the tolerance is replaced by the nearest one that is so to rounding: its polar
+    factor.
 
     Raises
     ------
     InputError
         For a wrong shape, a value that is not finite, a last row other than 0 0 0 1, a rotation part that is
-        not orthonormal to 1e-9, or a reflection; with the value that is wrong.
+        not orthonormal to the tolerance, or a reflection; with the value that is wrong.
     """
     array = checked_array(name, poses, (None, 4, 4))
     frame = np.ascontiguousarray(array[:, :3].transpose(2, 1, 0))
@@ -36,11 +41,13 @@ def checked_poses(name: str, poses: ArrayLike) -> Array:
     defect = max(np.abs(lengths).max(initial=0.0), np.abs(angles).max(initial=0.0))
     determinants = (cross(frame[0], frame[1]) * frame[2]).sum(axis=0)
     last_row = np.abs(array[:, 3] - (0.0, 0.0, 0.0, 1.0)).max(initial=0.0)
-    if not (defect <= RIGIDITY and last_row <= RIGIDITY and (determinants > 0.0).all()):
-        raise InputError(_first_fault(name, array))
-    if defect > 1e-14:
-        # One Newton step towards the polar factor: an error of 1e-9 becomes one of 1e-18.
-        given = array[:, :3, :3]
+    if not (defect <= tolerance and last_row <= RIGIDITY and (determinants > 0.0).all()):
+        raise InputError(_first_fault(name, array, tolerance))
+    given = array[:, :3, :3]
+    if defect > _ONE_STEP:
+        left, _, right = np.linalg.svd(given)
+        frame[:3] = (left @ right).transpose(2, 1, 0)
+    elif defect > 1e-14:
         improved = 1.5 * given - 0.5 * given @ (given.transpose(0, 2, 1) @ given)
         frame[:3] = improved.transpose(2, 1, 0)
     return frame
@@ -69,7 +76,7 @@ def pose_errors(target: Array, frame: Array) -> Array:
     return np.concatenate(((target[3] - frame[3]).T, turn), axis=1)
 
 
-def _first_fault(name: str, poses: Array) -> str:
+def _first_fault(name: str, poses: Array, tolerance: float) -> str:
     """What is wrong with the first pose that is not rigid."""
     for k, pose in enumerate(poses):
         label = f"{name}[{k}]" if len(poses) > 1 else name
@@ -78,9 +85,16 @@ def _first_fault(name: str, poses: Array) -> str:
             return f"{label}: last row {last.tolist()} of a rigid transform must be [0, 0, 0, 1]"
         defect = float(np.abs(rotation.T @ rotation - np.eye(3)).max())
         determinant = float(np.linalg.det(rotation))
-        if defect > RIGIDITY:
-            problem = f"R^T R differs from the identity by {defect:.3g} (at most {RIGIDITY:g})"
-            return f"{label}: not a rigid transform: {problem}; R = {rotation.tolist()}"
+        if defect > tolerance:
+            problem = f"R^T R differs from the identity by {defect:.3g} (at most {tolerance:g})"
+            return f"{label}: not a rigid transform: {problem}; R = {rotation.tolist()}{_remedy(defect, determinant)}"
         if determinant < 0.0:
             return f"{label}: not a rigid transform: R is a reflection (det R = {determinant:.6g})"
     return f"{name}: not rigid transforms"
+
+
+def _remedy(defect: float, determinant: float) -> str:
+    """What to do where a rotation has merely been written down with few decimals."""
+    if determinant < 0.0 or defect > _FEW_DECIMALS:
+        return ""
+    return f"; if it was copied with few decimals, tolerance={2 * defect:.0e} takes the nearest rotation"

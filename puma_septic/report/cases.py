@@ -108,7 +108,7 @@ def task_case(resolved: ResolvedTask, assessments: Sequence[Assessment]) -> Case
 
 
 def reason(resolved: ResolvedTask) -> str:
-    """Why no profile can be feasible, where the points themselves break limits in every branch; else empty."""
+    """Why no profile is feasible, where the points themselves break limits in every branch; else empty."""
     always = resolved.broken_in_all_branches
     if not always:
         return ""
@@ -117,6 +117,8 @@ def reason(resolved: ResolvedTask) -> str:
         points.setdefault(joint, []).append(point)
     where = ", ".join(f"{joint} at {' and '.join(names)}" for joint, names in points.items())
     count = len(resolved.branches)
+    if not resolved.is_complete:
+        return f"Every way found ({resolved.extent}) breaks the position limit of {where}; there may be others."
     branches = f"All {count} branches of the inverse kinematics break" if count > 1 else "The points break"
     return f"{branches} the position limit of {where}: no profile through these points can be feasible."
 

@@ -182,6 +182,8 @@ def _head(assessments: Sequence[Assessment], resolved: ResolvedTask | None) -> s
         parts.append(f"Points: {points}.")
         if resolved.has_poses:
             parts.append(f"Branch of the inverse kinematics: {resolved.branch.configuration}.")
+        if resolved.lowest:
+            parts.append(resolved.lowest)
     dwell = max(one.dwell for one in assessments)
     if dwell:
         parts.append(f"Then {dwell:g} s at rest, which count in the RMS values.")

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from puma_septic.errors import NoSolution
-from puma_septic.kinematics import CONFIGURATIONS, IkSolutions, inverse_kinematics
+from puma_septic.kinematics import IkSolutions, LowestPoints, inverse_kinematics, lowest_points
 from puma_septic.robot import Robot
 from puma_septic.validation import Array, checked_choice, read_only
 
-__all__ = ["Branch", "Posed", "Waypoint", "best_branch", "branches_through"]
+__all__ = ["Branch", "Posed", "Waypoint", "are_all_branches", "best_branch", "branches_through"]
 
 # An angle this far beyond its limit stands on it, to rounding, rad.
 _SLACK: Final = 1e-9
@@ -38,10 +38,13 @@ class Posed:
     ----------
     T_world_tool : ndarray, shape (4, 4)
     solutions : IkSolutions
+    constrain : str
+        Which of its conditions count, as `inverse_kinematics` has it.
     """
 
     T_world_tool: Array
     solutions: IkSolutions
+    constrain: str = "pose"
 
 
 # Joint positions (n_joints,), or a pose.
@@ -61,11 +64,14 @@ class Branch:
         rad (m), each joint going the short way within its limits.
     excess : ndarray, shape (k, n_joints)
         How far each is beyond its limits, 0 within them, rad (m).
+    lowest : LowestPoints
+        How low the arm is at each point.
     """
 
     configuration: str
     q: Array
     excess: Array
+    lowest: LowestPoints
 
     def __post_init__(self) -> None:
         for name in ("q", "excess"):
@@ -81,12 +87,16 @@ class Branch:
         """Whether all points are within all known limits."""
         return not self.excess.any()
 
+    def depth(self, floor: float) -> float:
+        """How far the arm is below a floor of this height at its lowest point, m; 0 above it."""
+        return max(0.0, floor - float(self.lowest.height.min()) - _SLACK)
+
 
 def branches_through(robot: Robot, waypoints: Sequence[Waypoint]) -> tuple[Branch, ...]:
     """Every way through the waypoints, one for each solution of the first pose.
 
-    A PUMA keeps the branch throughout. The solutions of other arms have no names that hold from pose to pose:
-    the one nearest to the point before is taken.
+    An arm with a closed form keeps the branch at every pose that has it. Elsewhere solutions have no names that hold
+    from pose to pose: the one nearest to the point before is taken.
     """
     first = next((point for point in waypoints if isinstance(point, Posed)), None)
     names = (_ONLY,) if first is None else first.solutions.configurations
@@ -95,14 +105,23 @@ def branches_through(robot: Robot, waypoints: Sequence[Waypoint]) -> tuple[Branc
     for k, name in enumerate(names):
         q: list[Array] = []
         for point in waypoints:
-            q.append(_positions(robot, point, k, q[-1] if is_free[: len(q)].any() else None))
+            q.append(_positions(robot, point, name, k, q[-1] if is_free[: len(q)].any() else None))
         way = _short_way(robot, np.array(q), is_free)
-        result.append(Branch(configuration=name, q=way, excess=_excess(robot, way)))
+        lowest = lowest_points(robot, way)
+        result.append(Branch(configuration=name, q=way, excess=_excess(robot, way), lowest=lowest))
     return tuple(result)
 
 
-def best_branch(branches: Sequence[Branch], wanted: str) -> Branch:
+def are_all_branches(waypoints: Sequence[Waypoint]) -> bool:
+    """Whether `branches_through` has every branch of every pose among its ways."""
+    posed = [point.solutions for point in waypoints if isinstance(point, Posed)]
+    return all(one.is_complete and set(one.configurations) <= set(posed[0].configurations) for one in posed)
+
+
+def best_branch(branches: Sequence[Branch], wanted: str, floor: float | None = None) -> Branch:
     """The named branch; for "auto" the one within limits that travels least, else the one least beyond them.
+
+    With a floor, those that stay above it come before all others.
 
     Raises
     ------
@@ -112,18 +131,31 @@ def best_branch(branches: Sequence[Branch], wanted: str) -> Branch:
     if wanted != "auto":
         names = [branch.configuration for branch in branches]
         return branches[names.index(checked_choice("branch", wanted, [*names, "auto"]))]
-    return min(branches, key=lambda branch: (float(branch.excess.sum()), branch.travel))
+
+    def rank(branch: Branch) -> tuple[bool, float, float, float]:
+        depth = 0.0 if floor is None else branch.depth(floor)
+        return depth > 0.0, float(branch.excess.sum()), depth, branch.travel
+
+    return min(branches, key=rank)
 
 
-def _positions(robot: Robot, point: Waypoint, branch: int, before: Array | None) -> Array:
-    """Joint positions at a waypoint in the branch of this index; `before` is None up to the first pose."""
+def _positions(robot: Robot, point: Waypoint, name: str, first: int, before: Array | None) -> Array:
+    """Joint positions at a waypoint in the branch of this name; `before` is None up to the first pose.
+
+    `first` is the branch's index among the first pose's solutions.
+    """
     if not isinstance(point, Posed):
         return point
     solutions = point.solutions
-    if before is None or solutions.configurations == CONFIGURATIONS:
-        return read_only(solutions.q[branch])
-    with suppress(NoSolution):  # then the solutions that are known have to do
-        solutions = inverse_kinematics(robot, point.T_world_tool, q_near=before, starts=_STARTS_NEAR)
+    if before is None:
+        return read_only(solutions.q[first])
+    if not solutions.starts and name in solutions.configurations:
+        return read_only(solutions.select(name))
+    if solutions.starts:
+        with suppress(NoSolution):  # then the solutions that are known have to do
+            solutions = inverse_kinematics(
+                robot, point.T_world_tool, constrain=point.constrain, q_near=before, starts=_STARTS_NEAR
+            )
     gap = np.abs(solutions.q - before)
     gap = np.where(robot.is_prismatic, gap, np.minimum(gap % _TURN, -gap % _TURN))
     return read_only(solutions.q[np.argmin(gap.sum(axis=1) + _EXCESS_WEIGHT * ~solutions.within_limits)])

@@ -12,9 +12,9 @@ import numpy as np
 from puma_septic import profiles
 from puma_septic.assessment import Assessment, assess
 from puma_septic.errors import InputError, ModelError, NoSolution
-from puma_septic.kinematics import forward_kinematics, inverse_kinematics
+from puma_septic.kinematics import chain_to, forward_kinematics, inverse_kinematics
 from puma_septic.robot import Payload, Robot, Wrench, load_robot
-from puma_septic.task.branches import Branch, Posed, Waypoint, best_branch, branches_through
+from puma_septic.task.branches import Branch, Posed, Waypoint, are_all_branches, best_branch, branches_through
 from puma_septic.task.schema import Point, Task
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_array, checked_choice, read_only
@@ -22,6 +22,8 @@ from puma_septic.validation import Array, checked_array, checked_choice, read_on
 __all__ = ["ResolvedTask", "assess_task", "resolve_task", "solve_points"]
 
 _WORLD = "world"
+# Joints that carry the tool of an arm that meets all conditions of a pose.
+_FULL = 6
 
 
 @final
@@ -37,7 +39,11 @@ class ResolvedTask:
     names : tuple of str
         Of the points, as messages call them.
     branches : tuple of Branch
-        All ways through the points; one where no point is a pose.
+        All ways through the points that were found; one where no point is a pose.
+    is_complete : bool
+        Whether these are all: every branch of every pose is among them.
+    extent : str
+        How many solutions the first pose has, of how many: "5 solutions found from 44 starts"; empty without poses.
     branch : Branch
         The way that is taken.
     times : ndarray, shape (k,)
@@ -50,6 +56,8 @@ class ResolvedTask:
     robot: Robot
     names: tuple[str, ...]
     branches: tuple[Branch, ...]
+    is_complete: bool
+    extent: str
     branch: Branch
     times: Array
     trajectories: tuple[Trajectory, ...]
@@ -69,9 +77,26 @@ class ResolvedTask:
 
     @property
     def broken_in_all_branches(self) -> tuple[tuple[str, str], ...]:
-        """Joint and point of each position limit that every branch breaks."""
+        """Joint and point of each position limit that every one of `branches` breaks."""
         always = np.all([branch.excess > 0 for branch in self.branches], axis=0)
         return tuple((self.robot.joint_names[j], self.names[k]) for j, k in np.argwhere(always.T))
+
+    @property
+    def lowest(self) -> str:
+        """A remark where the arm is below its base, or below the task's floor, at a point; else empty.
+
+        Without poses and without a floor nobody asked.
+        """
+        floor = self.task.floor
+        if (floor is None and not self.has_poses) or not (depth := self.branch.depth(floor or 0.0)):
+            return ""
+        k = int(np.argmin(self.branch.lowest.height))
+        ground = "its base" if floor is None else f"the floor at {floor:g} m"
+        others = any(not branch.depth(floor or 0.0) for branch in self.branches)
+        remedy = " (floor in the task ranks such branches last)" if floor is None and others else ""
+        alone = "" if others or floor is None else "; so it is in every other branch"
+        part = self.branch.lowest.parts[k]
+        return f"At {self.names[k]!r} {part} is {depth:.3g} m below {ground}{alone}{remedy}."
 
 
 def resolve_task(task: Task) -> ResolvedTask:
@@ -100,7 +125,7 @@ def resolve_task(task: Task) -> ResolvedTask:
     names = tuple(point.name or f"points[{k}]" for k, point in enumerate(task.points))
     branches = branches_through(robot, waypoints)
     with _named(task, "branch"):
-        branch = best_branch(branches, task.branch)
+        branch = best_branch(branches, task.branch, task.floor)
     times = np.array(task.times if task.times is not None else [0.0, *np.cumsum(task.durations or ())])
     trajectories = []
     for k, choice in enumerate(task.profiles):
@@ -113,6 +138,8 @@ def resolve_task(task: Task) -> ResolvedTask:
         robot=robot,
         names=names,
         branches=branches,
+        is_complete=are_all_branches(waypoints),
+        extent=next((point.solutions.extent for point in waypoints if isinstance(point, Posed)), ""),
         branch=branch,
         times=times,
         trajectories=tuple(trajectories),
@@ -197,7 +224,13 @@ def _waypoint(robot: Robot, frame: Array, task: Task, k: int) -> Waypoint:
             return checked_array("joints", point.joints, (robot.n_joints,), unit="rad")
     T_world_tool = frame @ _pose(point)
     with _named(task, label):
-        return Posed(T_world_tool=T_world_tool, solutions=inverse_kinematics(robot, T_world_tool))
+        free = "which way the tool is turned" if point.axis is None else "how far the tool is turned about its axis"
+        if point.constrain != "pose" and (joints := len(chain_to(robot).columns)) >= _FULL:
+            raise InputError(
+                f"needs rpy_deg or quaternion: {joints} joints carry the tool, and {free} would be left to chance"
+            )
+        solutions = inverse_kinematics(robot, T_world_tool, constrain=point.constrain)
+        return Posed(T_world_tool=T_world_tool, solutions=solutions, constrain=point.constrain)
 
 
 @contextmanager
@@ -220,10 +253,19 @@ def _pose(point: Point) -> Array:
     transform[:3, 3] = point.position or ()
     if point.rpy_deg is not None:
         transform[:3, :3] = _from_rpy(*np.deg2rad(point.rpy_deg))
+    if point.axis is not None:
+        transform[:3, :3] = _from_axis(np.array(point.axis))
     if point.quaternion is not None:
         turn = point.quaternion
         transform[:3, :3] = _from_quaternion(np.array([turn.w, turn.x, turn.y, turn.z]))
     return transform
+
+
+def _from_axis(z: Array) -> Array:
+    """Some rotation whose z axis this is."""
+    x = np.cross(np.eye(3)[np.argmin(np.abs(z))], z)
+    x /= np.linalg.norm(x)
+    return np.column_stack((x, np.cross(z, x), z))
 
 
 def _from_rpy(roll: float, pitch: float, yaw: float) -> Array:

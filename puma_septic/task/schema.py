@@ -130,24 +130,45 @@ class Quaternion(Section):
         return self
 
 
+def _unit(axis: tuple[float, ...]) -> tuple[float, ...]:
+    """A direction as a unit vector."""
+    length = sqrt(sum(value**2 for value in axis))
+    if not length > 0:
+        raise _fault("0 0 0 is no direction")
+    return tuple(value / length for value in axis)
+
+
 @final
 class Point(Section):
-    """Joint positions, or a pose of the tool in the task's frame."""
+    """Joint positions, or a pose of the tool in the task's frame.
+
+    For arms with fewer than six axes the position alone, or with the direction of the tool's z axis, is enough.
+    """
 
     name: Text | None = None
     joints: tuple[Number, ...] | None = None
     position: Vector | None = None
     rpy_deg: Vector | None = None
     quaternion: Quaternion | None = None
+    axis: Annotated[Vector, AfterValidator(_unit)] | None = None
+
+    @property
+    def constrain(self) -> str:
+        """Which conditions of its pose count, as `inverse_kinematics` has it."""
+        if self.rpy_deg is not None or self.quaternion is not None:
+            return "pose"
+        return "position" if self.axis is None else "axis"
 
     @model_validator(mode="after")
     def _is_one_of_both(self) -> Point:
-        turned = (self.rpy_deg is not None) + (self.quaternion is not None)
-        is_pose = self.joints is None and self.position is not None and turned == 1
+        turned = sum(value is not None for value in (self.rpy_deg, self.quaternion, self.axis))
+        is_pose = self.joints is None and self.position is not None and turned <= 1
         is_joints = self.joints is not None and self.position is None and turned == 0
         if not (is_pose or is_joints):
             given = ", ".join(self.model_dump(exclude_none=True)) or "nothing"
-            raise _fault(f"needs either joints, or position with one of rpy_deg and quaternion; given: {given}")
+            raise _fault(
+                f"needs either joints, or position with one of rpy_deg, quaternion and axis (or alone); given: {given}"
+            )
         return self
 
 
@@ -234,6 +255,8 @@ class Task(Section):
     points : tuple of Point
     branch : str
         Branch of the inverse kinematics that all poses are reached in, or "auto".
+    floor : float or None
+        Height, m: "auto" takes a branch that stays above it at all points before any other.
     times, durations : tuple of float
         One of both, s; times begin at 0.
     profiles : tuple of ProfileChoice
@@ -250,6 +273,7 @@ class Task(Section):
     frame: Text = "world"
     points: Annotated[tuple[Point, ...], Field(min_length=1)]
     branch: Text = "auto"
+    floor: Number | None = None
     times: tuple[Number, ...] | None = None
     durations: tuple[Positive, ...] | None = None
     profiles: Annotated[tuple[ProfileChoice, ...], Field(min_length=1)]

@@ -11,7 +11,7 @@ from puma_septic.cli.tasks import asked_robot, asked_task
 from puma_septic.cli.texts import wrapped
 from puma_septic.document import SCHEMAS
 from puma_septic.errors import InputError
-from puma_septic.kinematics import CONFIGURATIONS, IkSolutions, lowest_points, rtb_names
+from puma_septic.kinematics import IkSolutions, is_puma, lowest_points, rtb_names
 from puma_septic.report import to_json
 from puma_septic.robot import Robot
 from puma_septic.task import Posed, Task, make_task, solve_points
@@ -104,9 +104,9 @@ def _beyond(robot: Robot, solutions: IkSolutions, k: int) -> str:
     return " ".join(name for name, out in zip(robot.joint_names, outside, strict=True) if out)
 
 
-def _rtb(configuration: str) -> dict[str, str]:
+def _rtb(robot: Robot, configuration: str) -> dict[str, str]:
     """Names in Corke's Robotics Toolbox, where it has some."""
-    if configuration not in CONFIGURATIONS:
+    if not is_puma(robot):
         return {}
     python, matlab = rtb_names(configuration)
     return {"rtb_python": python, "rtb_matlab": matlab}
@@ -130,7 +130,7 @@ def _document(task: Task, robot: Robot, posed: list[tuple[str, Posed]]) -> dict[
                 "branches": [
                     {
                         "configuration": name,
-                        **_rtb(name),
+                        **_rtb(robot, name),
                         "q": solutions.q[k].tolist(),
                         "within_limits": bool(solutions.within_limits[k]),
                         "singular": list(solutions.singular[k]),

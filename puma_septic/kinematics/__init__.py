@@ -1,6 +1,7 @@
 """Kinematics: where the tool is, how it moves, and which joint positions put it somewhere."""
 
 from puma_septic.kinematics._chain import chain_to, checked_joint_values
+from puma_septic.kinematics._closed_form import is_puma
 from puma_septic.kinematics._forward import ToolMotion, forward_kinematics, jacobian, tool_motion
 from puma_septic.kinematics._heights import LowestPoints, lowest_points
 from puma_septic.kinematics._inverse import (
@@ -24,6 +25,7 @@ __all__ = [
     "forward_kinematics",
     "inverse_kinematics",
     "inverse_kinematics_batch",
+    "is_puma",
     "jacobian",
     "lowest_points",
     "rtb_names",

@@ -31,6 +31,7 @@ __all__ = [
     "ClosedForm",
     "closed_form",
     "configurations",
+    "is_puma",
     "solve_branches",
     "solve_in_blocks",
     "why_out_of_reach",
@@ -84,6 +85,11 @@ def closed_form(robot: Robot) -> ClosedForm | None:
     """What the closed form needs of an arm; None where there is none, so that starts have to be tried."""
     chain = chain_to(robot)
     return puma_geometry(chain) or six_axes(chain)
+
+
+def is_puma(robot: Robot) -> bool:
+    """Whether the arm has a PUMA's joints, whatever its lengths: names in Corke's toolbox are for these."""
+    return isinstance(closed_form(robot), PumaGeometry)
 
 
 def configurations(form: ClosedForm) -> tuple[str, ...]:

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from six_axis_arms import KR5, arm, standard
+from test_kinematics import EXAMPLES
 
 import puma_septic as ps
 from puma_septic.cli import assess as assess_command
@@ -238,9 +240,43 @@ def test_ik_names_the_singularity(capsys: pytest.CaptureFixture[str]) -> None:
     assert "right-up-noflip stands at the singularity of: wrist" in capsys.readouterr().out
 
 
+def test_ik_says_how_many_branches_there_are_and_how_low_they_hang(capsys: pytest.CaptureFixture[str]) -> None:
+    """A UR5's branches were numbered, some were missing, and an elbow below the table was not told."""
+    pose = ["ik", "--robot", str(EXAMPLES["ur5"]), "--position", "0.5", "-0.15", "0.1", "--rpy-deg", "0", "180", "0"]
+    assert main(pose) == 0
+    out = capsys.readouterr().out
+    assert "lowest, m" in out
+    assert "right-up-noflip" in out
+    assert "All 8 branches. 4 of them go below the base (height 0)." in out
+    main([*pose, "--format", "json"])
+    found = json.loads(capsys.readouterr().out)["poses"][0]
+    assert (found["is_complete"], found["starts"], found["constrain"]) == (True, 0, "pose")
+    assert "rtb_python" not in found["branches"][0]
+    lowest = min(found["branches"], key=lambda branch: branch["lowest"]["height"])["lowest"]
+    assert lowest["part"] == "elbow_joint"
+    assert lowest["height"] < 0
+
+
+def test_ik_of_an_arm_with_fewer_axes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Position alone for three joints; what was merely found is not called all."""
+    arm(tmp_path, "three", [*standard(KR5)[:3], ([0.62, 0, 0], [0, 0, 0])])
+    robot = ["ik", "--robot", str(tmp_path / "three.urdf"), "--tool", "tool", "--position", "0.8", "0.1", "0.6"]
+    assert main([*robot, "--position-only"]) == 0
+    assert "solutions found from 32 starts; there may be others." in " ".join(capsys.readouterr().out.lower().split())
+    assert main(robot) == 2
+    assert "3 joints cannot meet 6 conditions but by chance" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (["ik", "--position-only"], "--position-only goes with --position"),
+        (["ik", "--axis", "0", "0", "1"], "--axis goes with --position"),
+        (
+            ["ik", "--position", "1", "0", "0", "--axis", "0", "0", "1", "--position-only"],
+            "give one of --axis and --position-only",
+        ),
+        (["ik", "--position", "0.5", "0", "0.5", "--position-only"], "6 joints carry the tool, and which way"),
         (["ik", "--position", "5", "0", "0"], "points[0] 'pose': .*out of reach"),
         (["ik", "--rpy-deg", "0", "0", "0"], "--rpy-deg goes with --position"),
         (["ik", "paper", "--position", "0.5", "0", "0"], "give either TASK or --position, not both"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,10 +12,14 @@ import pytest
 from helpers.moves import POINTS
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from six_axis_arms import KR5, arm, standard
+from test_kinematics import EXAMPLES
 
 import puma_septic as ps
+from puma_septic.cli.texts import broken_text
 from puma_septic.kinematics import inverse_kinematics
-from puma_septic.task import assess_task, load_task, make_task, parse_task, resolve_task, task_names
+from puma_septic.report.cases import reason
+from puma_septic.task import ResolvedTask, assess_task, load_task, make_task, parse_task, resolve_task, task_names
 from puma_septic.task.branches import Posed, branches_through
 
 TURN = 2 * np.pi
@@ -228,6 +233,113 @@ def test_another_arm_follows_the_solution_nearest_to_the_point_before(tmp_path: 
     assert sorted(np.sign(way[:, 1]).sum() for way in ways) == [-3, 3]
 
 
+def test_ways_that_were_merely_found_are_not_called_all(tmp_path: Path) -> None:
+    """ "all N branches ... break, so no profile can be feasible" was said of what 32 starts had happened to find."""
+    (tmp_path / "arm.urdf").write_text(_planar_arm())
+    task = {
+        "name": "planar",
+        "robot": {"source": str(tmp_path / "arm.urdf"), "tool": "tool"},
+        "points": [{"name": "there", "position": [0.5, 0.4, 0], "rpy_deg": [0, 0, 90]}, {"joints": [0, 0.1, 0]}],
+        "durations": [1],
+        "profiles": ["quintic_segments"],
+        "limits": {"position": [[-3, 3], [-0.1, 0.1], [-3, 3]]},
+    }
+    resolved = resolve_task(make_task(task))
+    assert not resolved.is_complete
+    assert resolved.broken_in_all_branches == (("j1", "there"),)
+    assert re.fullmatch(r"2 solutions found from \d+ starts", resolved.extent)
+    said = (
+        "found through these poses breaks the position limit of j1 at 'there'; there may be others (2 solutions found"
+    )
+    assert said in " ".join(broken_text(resolved).split())
+    assert "Every way found (2 solutions found from" in reason(resolved)
+    assert "no profile" not in broken_text(resolved) + reason(resolved)
+
+
+# ---- other arms with a closed form, and with fewer axes
+
+
+def _ur5(q: np.ndarray[Any, Any], **changes: Any) -> ResolvedTask:
+    """A task of a UR5 through the poses of these joint positions."""
+    robot = ps.load_robot(EXAMPLES["ur5"])
+    points = [
+        {"position": T[:3, 3].tolist(), "quaternion": _quaternion(T[:3, :3])} for T in ps.forward_kinematics(robot, q)
+    ]
+    task = {
+        "name": "ur5",
+        "robot": {"source": str(EXAMPLES["ur5"])},
+        "points": points,
+        "durations": [1.0] * (len(q) - 1),
+        "profiles": ["quintic_segments"],
+    }
+    return resolve_task(make_task({**task, **changes}))
+
+
+# Elbow up and low in front; the elbow down is below the table.
+_LOW = np.array(
+    [[0.2, -1.0, 1.7, -2.2, -1.5, 0.1], [0.5, -1.1, 1.8, -2.3, -1.4, 0.3], [0.8, -1.0, 1.7, -2.2, -1.5, 0.0]]
+)
+
+
+def test_a_named_branch_is_kept_by_any_arm_with_a_closed_form() -> None:
+    """A UR5's ways were numbered, and the nearest solution was taken from pose to pose."""
+    resolved = _ur5(_LOW)
+    assert resolved.is_complete
+    assert resolved.extent == "all 8 branches"
+    names = [branch.configuration for branch in resolved.branches]
+    own = min(resolved.branches, key=_away_from(_LOW))
+    np.testing.assert_allclose((own.q - _LOW + np.pi) % (2 * np.pi), np.pi, rtol=0, atol=1e-9)
+    again = _ur5(_LOW, branch=own.configuration)
+    assert again.branch.configuration == own.configuration
+    with pytest.raises(ps.InputError, match=f"branch: unknown branch 'lefty'; valid: '{names[0]}', "):
+        _ur5(_LOW, branch="lefty")
+
+
+def test_a_branch_below_the_floor_comes_last() -> None:
+    """The branch of least travel put the elbow into the table, without a word."""
+    below = min((branch for branch in _ur5(_LOW).branches), key=lambda branch: branch.lowest.height.min())
+    assert below.lowest.height.min() < -0.1
+    plain = _ur5(_LOW, branch=below.configuration)
+    said = r"At 'points\[\d\]' \w+ is 0\.\d+ m below its base \(floor in the task ranks such branches last\)\."
+    assert re.fullmatch(said, plain.lowest)
+    floor = float(np.sort([branch.lowest.height.min() for branch in plain.branches])[-2])
+    chosen = _ur5(_LOW, floor=floor)
+    assert not chosen.lowest
+    assert chosen.branch.depth(floor) == 0.0
+    fitting = [branch for branch in chosen.branches if branch.depth(floor) == 0.0]
+    assert len(fitting) < len(chosen.branches)
+    assert chosen.branch.travel == min(branch.travel for branch in fitting)
+    assert _ur5(_LOW, floor=1.0).lowest.endswith("below the floor at 1 m; so it is in every other branch.")
+
+
+def test_an_arm_of_three_joints_is_given_positions(tmp_path: Path) -> None:
+    """An ordinary pose had no answer for four and five axes, and nothing said what to give instead."""
+    robot = arm(tmp_path, "three", [*standard(KR5)[:3], ([0.62, 0, 0], [0, 0, 0])])
+    q = np.array([[0.3, 0.8, 0.7], [0.5, 0.9, 0.9], [0.7, 1.0, 0.6]])
+    task = {
+        "name": "three",
+        "robot": {"source": str(tmp_path / "three.urdf"), "tool": "tool"},
+        "points": [{"position": T[:3, 3].tolist()} for T in ps.forward_kinematics(robot, q)],
+        "durations": [1, 1],
+        "profiles": ["quintic_segments"],
+    }
+    resolved = resolve_task(make_task(task))
+    assert min(float(np.abs(branch.q - q).max()) for branch in resolved.branches) < 1e-8
+    task["points"] = [{"position": [0.9, 0, 0.5], "axis": [1, 0, 0]}] * 3
+    with pytest.raises(ps.NoSolution, match=r"points\[0\]: .*3 joints cannot meet 5 conditions but by chance"):
+        resolve_task(make_task(task))
+
+
+def test_an_arm_of_six_joints_needs_an_orientation() -> None:
+    """A forgotten orientation must not be left to chance."""
+    with pytest.raises(
+        ps.InputError, match=r"points\[0\]: needs rpy_deg or quaternion: 6 joints carry the tool, and which"
+    ):
+        resolve_task(make_task(posed(points=[{"position": [0.5, 0, 0.5]}], durations=[])))
+    with pytest.raises(ps.InputError, match=r"how far the tool is turned about its axis would be left to chance"):
+        resolve_task(make_task(posed(points=[{"position": [0.5, 0, 0.5], "axis": [0, 0, -1]}], durations=[])))
+
+
 def _planar_arm() -> str:
     body = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
     links = "".join(f'<link name="{name}">{body}</link>' for name in ("l1", "l2", "tool"))
@@ -355,7 +467,22 @@ def test_not_a_task_file(text: str, message: str) -> None:
             "position: [1, 2]",
             r"points\[1\].position: .*at least 3 entries.*got \[1, 2",
         ),
-        ("joints: [0.5, 0.5, 0, 0, 0, 0]", "position: [1, 2, 3]", r"points\[1\]: needs either joints, or position"),
+        (
+            "joints: [0.5, 0.5, 0, 0, 0, 0]",
+            "position: [1, 2, 3], rpy_deg: [0, 0, 0], axis: [0, 0, 1]",
+            r"points\[1\]: needs either joints, or position with one of rpy_deg, quaternion and axis \(or alone\); gi",
+        ),
+        (
+            "joints: [0.5, 0.5, 0, 0, 0, 0]",
+            "axis: [0, 0, 1]",
+            r"points\[1\]: needs either joints, or position with one",
+        ),
+        (
+            "joints: [0.5, 0.5, 0, 0, 0, 0]",
+            "position: [1, 2, 3], axis: [0, 0, 0]",
+            r"points\[1\]\.axis: 0 0 0 is no direction",
+        ),
+        ("times:", "floor: low\ntimes:", "floor: expected a number, got 'low'"),
         (
             "}\n  - {name: b",
             ", position: [0, 0, 0]}\n  - {name: b",

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from six_axis_arms import KR5, arm, standard
-from test_kinematics import EXAMPLES
+from helpers.arms import EXAMPLES
+from helpers.six_axis_arms import KR5, arm, standard
 
 import puma_septic as ps
 from puma_septic.cli import assess as assess_command

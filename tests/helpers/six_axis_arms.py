@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from helpers.arms import joint, link, load
 
 import puma_septic as ps
+from helpers.arms import joint, link, load
 
 QUARTER = np.pi / 2
 # Standard Denavit-Hartenberg rows (a, alpha, d).

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.six_axis_arms import ARMS, KR5, QUARTER, TX60, UR10E, arm, modified, standard
 from helpers.arms import EXAMPLES
+from helpers.six_axis_arms import ARMS, KR5, QUARTER, TX60, UR10E, arm, modified, standard
 
 import puma_septic as ps
 from puma_septic.kinematics._chain import chain_to

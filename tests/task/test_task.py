@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.arms import EXAMPLES
 from helpers.moves import POINTS
+from helpers.six_axis_arms import KR5, arm, standard
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from six_axis_arms import KR5, arm, standard
-from test_kinematics import EXAMPLES
 
 import puma_septic as ps
 from puma_septic.cli.texts import broken_text

@@ -48,6 +48,7 @@ def _task_document(resolved: ResolvedTask, assessments: Sequence[Assessment]) ->
             }
             for branch in resolved.branches
         ],
+        "are_all_branches": resolved.is_complete,
         "broken_in_all_branches": [
             {"joint": joint, "point": point} for joint, point in resolved.broken_in_all_branches
         ],

@@ -170,12 +170,12 @@ def _is_log(path: Path, topic: str | None) -> bool:
 def _checked_log(path: str, robot: Robot, how: tuple[float, tuple[str, ...]], topic: str | None) -> _Checked:
     log = read_joint_state_log(path, robot, topic=topic)
     # By its public name, which loads it here: SciPy takes longer to load than a trajectory to check.
-    trajectory = puma_septic.fit_trajectory(log.t, log.q, joint_names=robot.joint_names)
+    trajectory = puma_septic.fit_trajectory(log.t, log.q, joint_names=robot.joint_names, continuous=robot.is_continuous)
     tolerance, allow = how
     check = check_trajectory(robot, trajectory, start_tolerance=tolerance, allow=allow)
     notes = (
         *log.notes,
-        "joint states, interpolated by a quintic spline at rest at both ends: their noise is in the accelerations",
+        "joint states, interpolated by a quintic spline: their noise is in the accelerations",
         *check.notes,
     )
     return _Checked(path=path, origin=path, sha256=log.sha256, check=replace(check, notes=notes))

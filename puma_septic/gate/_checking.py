@@ -107,8 +107,8 @@ def check_trajectory(
         Greatest distance of any joint from there, rad (m).
     allow : iterable of str
         Reasons that are told but do not count: codes out of "limit_unknown", "drive_unknown", "torque_unknown",
-        "unbounded_acceleration", "unbounded_jerk", "unbounded_effort", "moving_start", "moving_end"; the first two
-        also for one quantity, such as "limit_unknown:jerk" or "drive_unknown:rotor_inertia".
+        "doubtful", "unbounded_acceleration", "unbounded_jerk", "unbounded_effort", "moving_start", "moving_end"; the
+        first two also for one quantity, such as "limit_unknown:jerk" or "drive_unknown:rotor_inertia".
 
     Returns
     -------
@@ -134,7 +134,7 @@ def check_trajectory(
     tolerance = checked_number("start_tolerance", start_tolerance, unit="rad", at_least=0.0)
     place = None if start is None else checked_array("start", start, (robot.n_joints,), unit="rad")
     judged, moving, notes = _ends(robot, trajectory, allowed)
-    reasons = [*moving, *_unknown(robot, allowed)]
+    reasons = [*moving, *_unknown(robot, allowed), *_doubts(trajectory, allowed)]
     if place is not None:
         reasons += _start_mismatch(robot, trajectory, place, tolerance)
     assessment: Assessment | None = None
@@ -225,6 +225,11 @@ def _unknown(robot: Robot, allowed: frozenset[str]) -> list[Reason]:
             if np.isnan(value).any()
         ]
     return reasons
+
+
+def _doubts(trajectory: Trajectory, allowed: frozenset[str]) -> list[Reason]:
+    """What leaves the motion itself unknown: nothing of a planned one, the noise and the units of a recorded one."""
+    return [Reason(code="doubtful", message=doubt, allowed="doubtful" in allowed) for doubt in trajectory.doubts]
 
 
 def _missing(code: str, joint: str, quantity: str, text: str, allowed: frozenset[str]) -> Reason:

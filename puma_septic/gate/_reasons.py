@@ -51,6 +51,7 @@ _VIOLATED: Final = {
 _UNDECIDED: Final = {
     "limit_unknown": "the robot has no such limit for a joint",
     "drive_unknown": "rotor inertia or friction of a joint is not known, so its torque is more than what is computed",
+    "doubtful": "the motion itself is in doubt, by the noise or the units of a recording",
     "torque_unknown": "the torque cannot be computed: the robot lacks inertia",
 }
 _INVALID: Final = {
@@ -61,7 +62,7 @@ REASON_CODES: Final = {**_VIOLATED, **_UNDECIDED, **_INVALID}
 """What each code of a reason means; those of files that cannot be read are in `puma_septic.ros.FAULT_CODES`."""
 
 ALLOWABLE: Final = (
-    "limit_unknown", "drive_unknown", "torque_unknown", *_UNBOUNDED, "moving_start", "moving_end",
+    "limit_unknown", "drive_unknown", "torque_unknown", "doubtful", *_UNBOUNDED, "moving_start", "moving_end",
 )  # fmt: skip
 """Codes that the caller may allow: what is not known, and what a real drive smooths."""
 

@@ -97,14 +97,14 @@ def least_stretch(robot: Robot, trajectory: Trajectory) -> Stretch:
     """
     motion = compute_motion(robot, trajectory)
     first = assess(motion)
-    if first.is_feasible:
+    if not first.violations:
         return Stretch(factor=1.0, trajectory=trajectory, assessment=first, governing=None)
     check_plain_friction(robot, "the least stretch that keeps a torque limit")
     _refuse_hopeless(first)
     u = _rate_of_torque_derivatives(motion, _largest_rate(motion, _kinematic_rate(first)))
     slower = stretched(trajectory, 1 / u)
     result = assess(robot, slower)
-    if not result.is_feasible:
+    if result.violations:
         raise _no_solution(result, result.violations[0], "is broken at any speed")
     return Stretch(factor=1 / u, trajectory=slower, assessment=result, governing=_governing(result))
 

@@ -281,6 +281,21 @@ def test_recordings_of_trajectories_and_of_joint_states(
     assert torque["demand"] == pytest.approx(ps.assess(puma, move).peak_torque[1], rel=1e-4)
 
 
+def test_noise_of_a_recording_leaves_it_undecided(
+    puma: ps.Robot, tmp_path: Path, rng: np.random.Generator, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bags = pytest.importorskip("test_ros_bags")
+    move, robot = small_move(puma, 4.0), puma.joint_names
+    states = [
+        (int(k * 1e7), bags.state_message(robot, move(k / 100) + rng.normal(0, 1e-3, 6), int(k * 1e7) + 10**18))
+        for k in range(401)
+    ]
+    bag = bags.record(tmp_path / "a", "mcap", {"/joint_states": states})
+    _, told = document(capsys, str(bag), *KNOWN)
+    assert "doubtful" in {reason["code"] for reason in told["trajectories"][0]["reasons"]}
+    assert told["verdict"] != "ok"
+
+
 # ---- what is documented
 
 

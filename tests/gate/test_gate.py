@@ -157,6 +157,17 @@ def test_an_arm_without_inertia_has_no_torque_to_judge(puma: ps.Robot) -> None:
     assert ps.check_trajectory(slow, small_move(puma)).verdict == "violated"
 
 
+def test_a_motion_in_doubt_is_undecided(puma: ps.Robot) -> None:
+    """What a recording leaves unknown is no verdict; a broken limit is told all the same."""
+    move = replace(small_move(puma), doubts=("most of the jerk is noise",))
+    check = ps.check_trajectory(limited(puma), move)
+    assert check.verdict == "undecided"
+    assert [str(reason) for reason in check.reasons] == ["doubtful: most of the jerk is noise"]
+    assert ps.check_trajectory(limited(puma), move, allow=["doubtful"]).is_ok
+    assert ps.check_trajectory(limited(puma, velocity=0.1), move).verdict == "violated"
+    assert ps.least_stretch(limited(puma, velocity=0.1), move).factor > 4
+
+
 def test_misspelt_reasons_are_refused(puma: ps.Robot) -> None:
     move = small_move(puma)
     with pytest.raises(ps.InputError, match="unknown reason to allow 'limit_unkown'; valid: 'limit_unknown'"):

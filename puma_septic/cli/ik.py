@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from typing import Any, Final
+from textwrap import wrap
+from typing import Any
+
+import numpy as np
 
 from puma_septic._version import __version__
 from puma_septic.cli.arguments import Answer
 from puma_septic.cli.tasks import asked_robot, asked_task
-from puma_septic.cli.texts import wrapped
+from puma_septic.cli.texts import WIDTH, wrapped
 from puma_septic.document import SCHEMAS
 from puma_septic.errors import InputError
 from puma_septic.kinematics import IkSolutions, is_puma, lowest_points, rtb_names
@@ -18,9 +21,6 @@ from puma_septic.task import Posed, Task, make_task, solve_points
 from puma_septic.views.tables import Cell, text_table
 
 __all__ = ["run"]
-
-# What stands on the ground is not below it, m.
-_ROUNDING: Final = 1e-9
 
 
 def run(arguments: Namespace) -> Answer:
@@ -74,12 +74,9 @@ def _text(task: Task, robot: Robot, posed: list[tuple[str, Posed]]) -> str:
 
 
 def _table(robot: Robot, solutions: IkSolutions) -> str:
-    lowest = lowest_points(robot, solutions.q)
     rows: list[list[Cell]] = [
-        [name, *(f"{angle:.4f}" for angle in q), f"{height:.3f} {part}", _beyond(robot, solutions, k)]
-        for k, (name, q, height, part) in enumerate(
-            zip(solutions.configurations, solutions.q, lowest.height, lowest.parts, strict=True)
-        )
+        [name, *(f"{angle:.4f}" for angle in solutions.q[k]), _beyond(robot, solutions, k)]
+        for k, name in enumerate(solutions.configurations)
     ]
     singular = [
         f"{name} stands at the singularity of: {', '.join(kinds)}"
@@ -87,12 +84,24 @@ def _table(robot: Robot, solutions: IkSolutions) -> str:
         if kinds
     ]
     extent = f"{solutions.extent[0].upper()}{solutions.extent[1:]}"
-    below = int((lowest.height < -_ROUNDING).sum())
-    remarks = [f"{extent}." if solutions.is_complete else f"{extent}; there may be others."]
-    if below:
-        remarks.append(f"{below} of them {'goes' if below == 1 else 'go'} below the base (height 0).")
-    table = text_table(["branch", *robot.joint_names, "lowest, m", "beyond limits"], rows)
-    return "\n".join([table, *singular, wrapped(" ".join(remarks))])
+    remark = f"{extent}." if solutions.is_complete else f"{extent}; there may be others."
+    table = text_table(["branch", *robot.joint_names, "beyond limits"], rows)
+    return "\n".join([table, *singular, remark, _lowest(robot, solutions)])
+
+
+def _lowest(robot: Robot, solutions: IkSolutions) -> str:
+    """How low the arm hangs, the lowest branches first; those alike together."""
+    lowest = lowest_points(robot, solutions.q)
+    alike: dict[tuple[float, str], list[str]] = {}
+    for k in np.argsort(lowest.height, kind="stable"):
+        place = (round(float(lowest.height[k]), 3) + 0.0, lowest.parts[k])
+        alike.setdefault(place, []).append(solutions.configurations[k])
+    parts = [
+        f"{height:.3f} m ({part}) in {', '.join(names) if len(alike) > 1 else 'each'}"
+        for (height, part), names in alike.items()
+    ]
+    text = f"Lowest point (below the base where negative): {'; '.join(parts)}."
+    return "\n".join(wrap(text, WIDTH, subsequent_indent="  ", break_on_hyphens=False))
 
 
 def _beyond(robot: Robot, solutions: IkSolutions, k: int) -> str:

@@ -14,6 +14,7 @@ version = release = puma_septic.__version__
 
 extensions = ["sphinx.ext.autodoc", "sphinx.ext.napoleon", "myst_parser", "computed", "mathml"]
 exclude_patterns = ["images", "_ext"]
+html_extra_path = ["schemas.json"]
 myst_enable_extensions = ["amsmath", "dollarmath"]
 myst_heading_anchors = 3
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 # The matrices here are small: on a busy machine, threads that wait for each other cost more than they save.
@@ -15,9 +17,11 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 import pytest
 from helpers.places import REFERENCE
+from helpers.schemas import assert_documented
 from hypothesis import settings
 
 import puma_septic as ps
+from puma_septic import document
 from puma_septic.task import ResolvedTask, assess_task, load_task, resolve_task
 
 # A run finds the same examples every time, on any machine, however slow; to look for new ones:
@@ -61,6 +65,20 @@ def rng() -> np.random.Generator:
 def reference() -> Path:
     """The folder of numbers taken from elsewhere, each with its source."""
     return REFERENCE
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _documented() -> Iterator[None]:
+    """Each document that any test writes as JSON is held against docs/schemas.json."""
+
+    def dumps(value: Any, **options: Any) -> str:
+        if "schema" in value:
+            assert_documented(json.loads(json.dumps(value)))
+        return json.dumps(value, **options)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(document, "json", SimpleNamespace(dumps=dumps))
+        yield
 
 
 # ---- a real browser, for the tests that are marked so

@@ -140,8 +140,9 @@ class Trajectory:
         return self.position.with_derivatives(3)
 
     @cached_property
-    def _state_extrema(self) -> Extrema:
-        return self.state.extrema()
+    def _searched(self) -> tuple[Extrema, Array]:
+        """Extrema of `state`, and the turning points of the position."""
+        return self.state.extrema_and_turns(self.n_joints)
 
     @cached_property
     def _state_jumps(self) -> Jumps:
@@ -159,7 +160,7 @@ class Trajectory:
         It is the sign of the travel between two reversals, never that of a velocity at a point, so that rounding
         decides nothing; see `find_directions`.
         """
-        return find_directions(self.position, np.asarray(self.resolution))
+        return find_directions(self.position, self._searched[1], np.asarray(self.resolution))
 
     @property
     def marked(self) -> tuple[Array, Array]:
@@ -201,7 +202,7 @@ class Trajectory:
 
     def extrema(self, order: int = 0) -> Extrema:
         """Least and greatest finite values and their instants; see `jumps` for what is unbounded."""
-        part, extrema = self._part(order), self._state_extrema
+        part, extrema = self._part(order), self._searched[0]
         return Extrema(
             min=extrema.min[part], max=extrema.max[part], t_min=extrema.t_min[part], t_max=extrema.t_max[part]
         )
@@ -217,23 +218,39 @@ class Trajectory:
         some = sizes.any(axis=1)
         return Jumps(times=self.breaks[some], sizes=sizes[some])
 
+    @cached_property
+    def _first_unbounded(self) -> Array:
+        """`unbounded` of all orders, shape (4, n_joints)."""
+        steps = (self._state_jumps.sizes != 0).reshape(-1, 4, self.n_joints)[:, :3]
+        steps[:, 0] = False  # positions do not jump
+        steps = np.logical_or.accumulate(steps, axis=1)
+        first = np.where(steps.any(axis=0), self.breaks[steps.argmax(axis=0)], np.nan)
+        return read_only(first[[0, 0, 1, 2]])
+
     def unbounded(self, order: int) -> Array:
         """When each joint's derivative of this order is first unbounded, because a lower one steps; NaN where never.
 
         Shape (n_joints,), s.
         """
-        sizes = self._state_jumps.sizes[:, self.n_joints : max(1, order) * self.n_joints]
-        steps = (sizes.reshape(len(sizes), -1, self.n_joints) != 0).any(axis=1)
-        return np.where(steps.any(axis=0), self.breaks[steps.argmax(axis=0)], np.nan)
+        self._part(order)
+        return self._first_unbounded[order]
+
+    @cached_property
+    def _peaks(self) -> tuple[Array, Array]:
+        """`peak` of all orders, each of shape (4, n_joints)."""
+        extrema, unbounded = self._searched[0], self._first_unbounded
+        never = np.isnan(unbounded)
+        size, time = extrema.peak.reshape(4, -1), extrema.t_peak.reshape(4, -1)
+        return read_only(np.where(never, size, np.inf)), read_only(np.where(never, time, unbounded))
 
     def peak(self, order: int) -> tuple[Array, Array]:
         """Largest magnitude of a derivative and its instant, each of shape (n_joints,).
 
         It is infinite where the derivative is unbounded, at the first instant at which it is.
         """
-        extrema, unbounded = self.extrema(order), self.unbounded(order)
-        never = np.isnan(unbounded)
-        return np.where(never, extrema.peak, np.inf), np.where(never, extrema.t_peak, unbounded)
+        self._part(order)
+        size, time = self._peaks
+        return size[order], time[order]
 
     def _jump_tolerance(self) -> Array:
         """Per break and component of `state`: a part of the largest value of its kind, or what rounding makes of zero.

@@ -22,13 +22,11 @@ a second; near a reversal or an end a joint that accelerates is this slow for a 
 _CREEP: Final = 10.0
 # and for longer than this, s, a step of a servo loop: the first microsecond of a move under a high jerk is no rest.
 _BRIEF: Final = 1e-3
-# A reversal by more than STILL within an interval has velocities above this part of STILL over its length.
-_SLOW: Final = 1 / 8
 # Samples within REST_TIME: rests are found to a tenth of it.
 _SAMPLES: Final = 10
 
 
-def find_directions(position: Piecewise, resolution: Array) -> Piecewise:
+def find_directions(position: Piecewise, turns: Array, resolution: Array) -> Piecewise:
     """The direction of each component, +1, -1 or 0, as a function that is constant between its breaks.
 
     Turning points are extrema of the position between which it travels by more than its resolution (at least `STILL`);
@@ -42,14 +40,14 @@ def find_directions(position: Piecewise, resolution: Array) -> Piecewise:
     Parameters
     ----------
     position : Piecewise
+    turns : ndarray, shape (k,)
+        When any component turns inside an interval, s from the start; see `Piecewise.extrema_and_turns`.
     resolution : ndarray, shape (m,)
         In the unit of the position; 0 for a planned motion.
     """
     function = position.from_zero()
     allowed = np.maximum(STILL, resolution)
-    # A velocity that is smaller throughout travels by less than STILL: its reversals are none.
-    slow = _SLOW * STILL / function.lengths[:, None]
-    times = np.unique(np.concatenate([function.offsets, *function.derivative().roots(noise=slow)]))
+    times = np.sort(np.concatenate([function.offsets, turns]))
     values = function(times)
     turned = [_turning_points(times, one, least) for one, least in zip(values.T, allowed, strict=True)]
     rests = [_recorded_rests(function[int(j)], float(resolution[j])) for j in np.flatnonzero(resolution)]
@@ -106,6 +104,8 @@ def _creeping(position: Piecewise) -> NDArray[np.bool_]:
     """
     travel = 2 * np.abs(position.coefficients[1:]).sum(axis=0)
     creeping = travel <= STILL * np.minimum(1.0, _CREEP * position.lengths / position.duration)[:, None]
+    if (creeping == (travel == 0)).all():
+        return creeping
     # From the end of the last interval that moves to the start of the next.
     ends, starts = (
         np.where(creeping, rest, own[:, None])

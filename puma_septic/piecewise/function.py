@@ -80,7 +80,11 @@ class Piecewise:
 
     def _with(self, coefficients: Array) -> Piecewise:
         """Other series on the same intervals."""
-        return self._trusted(self.start, self.offsets, coefficients)
+        coefficients.setflags(write=False)
+        new = object.__new__(Piecewise)
+        for name, array in (("breaks", self.breaks), ("coefficients", coefficients), ("offsets", self.offsets)):
+            object.__setattr__(new, name, array)
+        return new
 
     @classmethod
     def from_power(cls, breaks: ArrayLike, powers: ArrayLike) -> Piecewise:
@@ -206,7 +210,7 @@ class Piecewise:
     @property
     def lengths(self) -> Array:
         """Lengths of the intervals in s, shape (n,)."""
-        return np.diff(self.offsets)
+        return self.offsets[1:] - self.offsets[:-1]
 
     @property
     def middles(self) -> Array:
@@ -237,7 +241,7 @@ class Piecewise:
 
     def aligned_with(self, other: Piecewise) -> Piecewise:
         """The same function with the breaks of `other`, which has the same span, added to its own."""
-        return self._split_offsets([other.offsets])
+        return self if _same(self.offsets, other.offsets) else self._split_offsets([other.offsets])
 
     def shifted(self, seconds: float) -> Piecewise:
         """The same function, later by so many seconds: ``f(t - seconds)``."""
@@ -318,9 +322,20 @@ class Piecewise:
 
     def extrema(self) -> Extrema:
         """Least and greatest finite values, one-sided values at steps included."""
-        low, high = find_extrema(self.offsets, self.coefficients)
+        return self.extrema_and_turns(0)[0]
+
+    def extrema_and_turns(self, count: int) -> tuple[Extrema, Array]:
+        """`extrema`, and from the same search all turning points of the first `count` components.
+
+        Returns
+        -------
+        Extrema
+        ndarray, shape (k,)
+            When the slope of any of them changes its sign inside an interval, s since the start of the span.
+        """
+        low, high, turns = find_extrema(self.offsets, self.coefficients, count)
         start = self.start
-        return Extrema(min=low[0], t_min=start + low[1], max=high[0], t_max=start + high[1])
+        return Extrema(min=low[0], t_min=start + low[1], max=high[0], t_max=start + high[1]), turns
 
     def roots(self, *, noise: ArrayLike | None = None) -> tuple[Array, ...]:
         """Times inside the intervals at which each component changes sign, one sorted array per component.
@@ -458,17 +473,21 @@ def _apply(matrix: Array, coefficients: Array) -> Array:
 def _merged(offsets: Array, times: Array) -> Array:
     """Offsets with those times added that lie inside the span and are not a break already."""
     same = _SAME_TIME * offsets[-1]
-    inside = np.unique(times[(times > same) & (times < offsets[-1] - same)])
+    inside = np.sort(times[(times > same) & (times < offsets[-1] - same)])
     if not len(inside):
         return offsets
-    nearest = np.searchsorted(offsets, inside)
+    nearest = offsets.searchsorted(inside)
     new = (inside - offsets[nearest - 1] > same) & (offsets[nearest] - inside > same)
-    new[1:] &= np.diff(inside) > same
+    new[1:] &= inside[1:] - inside[:-1] > same
     return np.sort(np.concatenate([offsets, inside[new]]))
 
 
 def _same_intervals(f: Piecewise, g: Piecewise) -> bool:
-    return f.start == g.start and np.array_equal(f.offsets, g.offsets)
+    return f.start == g.start and _same(f.offsets, g.offsets)
+
+
+def _same(offsets: Array, others: Array) -> bool:
+    return offsets is others or (len(offsets) == len(others) and bool((offsets == others).all()))
 
 
 def _padded(f: Piecewise, degree: int) -> Array:
@@ -488,4 +507,4 @@ def _aligned(f: Piecewise, g: Piecewise) -> tuple[Piecewise, Piecewise]:
             " cannot be combined: their spans differ"
         )
     f = f._split_offsets([g.offsets])
-    return f, f._with(g._split_offsets([f.offsets]).coefficients)
+    return f, f._with(g.aligned_with(f).coefficients)

@@ -52,24 +52,36 @@ _EIGHTHS = np.linspace(-1.0, 1.0, 9)
 _BLOCK = 1 << 21
 
 
-def find_extrema(breaks: Array, coefficients: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """((minima, their times), (maxima, their times)), each of shape (m,); of values equal to rounding, the first."""
+def find_extrema(
+    breaks: Array, coefficients: Array, turning: int = 0
+) -> tuple[tuple[Array, Array], tuple[Array, Array], Array]:
+    """((minima, their times), (maxima, their times), turns); of values equal to rounding, the first.
+
+    Minima, maxima and their times have the shape (m,). `turns`, shape (k,), are the times inside the intervals at which
+    the slope of any of the first components, `turning` of them, changes its sign: all, not those of extrema alone.
+    """
     _, n, m = coefficients.shape
     series = coefficients.reshape(-1, n * m)
     size = np.abs(coefficients)
-    equal = _ROUNDING * size.sum(axis=0).max(axis=0)
+    total = size.sum(axis=0)
+    equal = _ROUNDING * total.max(axis=0)
     left, right = (matrices.signs(len(series) - 1) @ series).reshape(n, m), coefficients.sum(axis=0)
     low, high = np.minimum(left, right).min(axis=0), np.maximum(left, right).max(axis=0)
     ends = np.arange(n * m)
     found = [(ends, np.full(n * m, -1.0), left.ravel()), (ends, np.full(n * m, 1.0), right.ravel())]
-    spread = size[1:].sum(axis=0)
-    columns = np.flatnonzero((coefficients[0] + spread > high - equal) | (coefficients[0] - spread < low + equal))
-    for block in _blocks(columns, len(series) - 1):
-        column, x, value = _candidates(series[:, block], block % m, low - equal, high + equal)
-        at = block[column]
-        np.minimum.at(low, at % m, value)
-        np.maximum.at(high, at % m, value)
-        found.append((at, x, value))
+    middle, spread = coefficients[0], total - size[0]
+    wanted = (middle + spread > high - equal) | (middle - spread < low + equal) | (np.arange(m) < turning)
+    turns = [np.empty(0)]
+    for block in _blocks(np.flatnonzero(wanted), len(series) - 1):
+        candidates = _candidates(series[:, block], block % m, low - equal, high + equal, turning)
+        for column, x, value in candidates:
+            at = block[column]
+            np.minimum.at(low, at % m, value)
+            np.maximum.at(high, at % m, value)
+            found.append((at, x, value))
+        if turning:
+            at, x, _ = found[-1]
+            turns.append(_times(breaks, at // m, x)[at % m < turning])
     at, x, value = (np.concatenate(part) for part in zip(*found, strict=True))
     extreme = (value <= (low + equal)[at % m]) | (value >= (high - equal)[at % m])
     at, x, value = at[extreme], x[extreme], value[extreme]
@@ -77,7 +89,7 @@ def find_extrema(breaks: Array, coefficients: Array) -> tuple[tuple[Array, Array
     t_low, t_high = np.full((2, m), np.inf)
     np.minimum.at(t_low, j, np.where(value <= (low + equal)[j], times, np.inf))
     np.minimum.at(t_high, j, np.where(value >= (high - equal)[j], times, np.inf))
-    return (low, t_low), (high, t_high)
+    return (low, t_low), (high, t_high), np.concatenate(turns)
 
 
 def find_sign_changes(breaks: Array, coefficients: Array, noise: Array | None = None) -> tuple[Array, ...]:
@@ -154,33 +166,45 @@ def _hidden(series: Array, grid: int) -> Array:
     return np.asarray(np.arange(len(series)) ** 2 @ np.abs(series) * (step**2 / 8))
 
 
-def _cells_with_zeros(series: Array) -> _Cells:
-    """The cells of the grid that may hold a zero."""
-    values = matrices.grid(len(series) - 1) @ series
+def _may_vanish(series: Array, values: Array) -> Flags:
+    """Whether each cell of the grid on which a series has these values may hold a zero, (cells, columns)."""
     # A value beyond what is hidden has the sign of its neighbours, or theirs is beyond it on the other side.
     hidden = _hidden(series, len(values))
     up, down = values > hidden, values < -hidden
-    column, k = np.nonzero(~((up[:-1] & up[1:]) | (down[:-1] & down[1:])).T)
+    return ~((up[:-1] & up[1:]) | (down[:-1] & down[1:]))
+
+
+def _cells_with_zeros(series: Array) -> _Cells:
+    """The cells of the grid that may hold a zero."""
+    values = matrices.grid(len(series) - 1) @ series
+    column, k = np.nonzero(_may_vanish(series, values).T)
     return _cells_of(series, column, k, len(values))
 
 
-def _candidates(series: Array, j: Index, low: Array, high: Array) -> tuple[Index, Array, Array]:
-    """(column, x, value) of the points that may be extreme; column i belongs to component j[i] with these bounds."""
+def _candidates(series: Array, j: Index, low: Array, high: Array, turning: int) -> Iterator[tuple[Index, Array, Array]]:
+    """(column, x, value) of points that may be extreme: those of the grid, if there is one, then the turning points.
+
+    Column i belongs to component j[i] with these bounds; of components below `turning` all turning points.
+    """
     slopes = matrices.derivative_matrix(len(series) - 1) @ series
     if len(slopes) <= _LOCAL + 1:
-        column, x = _sign_changes(slopes, _eighths(slopes), np.zeros(series.shape[1]))
-        return column, x, _values_at(series[:, column], x)
-    values = matrices.grid(len(series) - 1) @ series
-    low, high = low.copy(), high.copy()
-    np.minimum.at(low, j, values.min(axis=0))
-    np.maximum.at(high, j, values.max(axis=0))
-    hidden = _hidden(series, len(values))
-    extreme = (values > high[j] - hidden) | (values < low[j] + hidden)
-    column, k = np.nonzero((extreme[:-1] | extreme[1:]).T)
-    cells = _cells_of(slopes, column, k, len(values))
-    turning, x = _sign_changes(slopes, cells, np.zeros(series.shape[1]))
-    value = np.concatenate([values[k, column], _values_at(series[:, turning], x)])
-    return np.concatenate([column, turning]), np.concatenate([cells.left, x]), value
+        cells = _eighths(slopes)
+    else:
+        values = matrices.grid(len(series) - 1) @ series
+        low, high = low.copy(), high.copy()
+        np.minimum.at(low, j, values.min(axis=0))
+        np.maximum.at(high, j, values.max(axis=0))
+        hidden = _hidden(series, len(values))
+        extreme = (values > high[j] - hidden) | (values < low[j] + hidden)
+        wanted = extreme[:-1] | extreme[1:]
+        if turning:
+            at_grid = matrices.values_matrix(len(slopes) - 1, len(values) - 1) @ slopes
+            wanted |= _may_vanish(slopes, at_grid) & (j < turning)
+        column, k = np.nonzero(wanted.T)
+        cells = _cells_of(slopes, column, k, len(values))
+        yield column, cells.left, values[k, column]
+    column, x = _sign_changes(slopes, cells, np.zeros(series.shape[1]))
+    yield column, x, _values_at(series[:, column], x)
 
 
 def _sign_changes(series: Array, cells: _Cells, noise: Array) -> tuple[Index, Array]:

@@ -110,8 +110,9 @@ def test_reversals_within_the_resolution_are_none() -> None:
     """A recorded signal ripples by less than its resolution; travel beyond that counts."""
     t = np.linspace(0.0, 2.0, 401)
     ripple = ps.Piecewise.fit(lambda t: (0.01 * t + 1e-4 * np.sin(300 * t))[:, None], t)
-    assert find_directions(ripple, np.array([3e-4])).coefficients[0].tolist() == [[1.0]] * 400
-    assert (find_directions(ripple, np.array([0.0])).coefficients[0] == -1).any()
+    turns = ripple.extrema_and_turns(1)[1]
+    assert find_directions(ripple, turns, np.array([3e-4])).coefficients[0].tolist() == [[1.0]] * 400
+    assert (find_directions(ripple, turns, np.array([0.0])).coefficients[0] == -1).any()
 
 
 def test_a_recorded_rest_is_found_to_a_tenth_of_the_rest_time() -> None:
@@ -119,7 +120,8 @@ def test_a_recorded_rest_is_found_to_a_tenth_of_the_rest_time() -> None:
     t = np.arange(0.0, 4.0, 0.01)
     values = np.clip(t - 1.0, 0.0, 1.0) + rng.uniform(-5e-6, 5e-6, len(t))  # rests, moves from 1 to 2 s, rests
     powers = np.array([values[:-1], np.diff(values)])[:, :, None]
-    direction = find_directions(ps.Piecewise.from_power(t, powers), np.array([1e-4]))
+    signal = ps.Piecewise.from_power(t, powers)
+    direction = find_directions(signal, signal.extrema_and_turns(1)[1], np.array([1e-4]))
     moving = direction.coefficients[0, :, 0] != 0
     start, end = direction.breaks[:-1][moving].min(), direction.breaks[1:][moving].max()
     assert start == pytest.approx(1.0, abs=REST_TIME / 10 + 0.01)

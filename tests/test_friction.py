@@ -259,6 +259,25 @@ def test_what_scales_a_motion_in_time_says_what_it_does_not_know() -> None:
             ps.least_time(ps.septic, POINTS, TIMES, robot=robot, keep=["effort"], restarts=0)
 
 
+def test_a_motor_without_a_gear_ratio_is_not_sized() -> None:
+    """An unknown ratio is no error of the drivetrain, but its motor would have an unknown torque and win."""
+    cycle = ps.Cycle(steps=[paper_motion()])
+    trains = [*ps.load_drivetrains(cycle.robot)[:4], ps.Drivetrain(), ps.Drivetrain(gearbox=ps.Gearbox(efficiency=0.8))]
+    with pytest.raises(ps.InputError, match=r"gear ratio of joint 'joint5', 'joint6' is not known"):
+        ps.size(cycle, drivetrains=trains)
+    with pytest.raises(ps.InputError, match="gearbox 'G': its ratio is not known"):
+        ps.Catalogue(motors=[ps.Motor(name="M")], gearboxes=[ps.Gearbox(name="G")])
+
+
+def test_a_cycle_is_of_one_friction() -> None:
+    """What differs in Stribeck friction alone is another arm."""
+    robot, other = arm(STICKY), arm(replace(STICKY, stribeck_velocity=6.0))
+    move = paper_motion().trajectory
+    steps = [ps.compute_motion(robot, move), ps.compute_motion(other, ps.cycle.with_return(paper_motion()).trajectory)]
+    with pytest.raises(ps.InputError, match=r"steps\[1\] has other drives"):
+        ps.Cycle(steps=steps)
+
+
 def test_pairs_with_stribeck_friction_are_assessed_in_full() -> None:
     """The bounds are of sums of features, which their torque is not: each is accepted as it is when sized alone."""
     cycle = ps.cycle.with_return(paper_motion(), dwell=0.5)

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+import numpy as np
+
 from puma_septic.cycle import Cycle
 from puma_septic.drives import Drivetrain
 from puma_septic.errors import InputError
 
-__all__ = ["GivenDrivetrains", "checked_cycle", "checked_drivetrains"]
+__all__ = ["GivenDrivetrains", "checked_cycle", "checked_drivetrains", "checked_ratios"]
 
 # In the robot's order, or by joint name.
 GivenDrivetrains = Iterable[Drivetrain] | Mapping[str, Drivetrain]
@@ -52,6 +54,24 @@ def checked_drivetrains(cycle: Cycle, given: object) -> tuple[Drivetrain, ...]:
     if wrong:
         raise InputError(f"drivetrains: expected a Drivetrain for each joint, but {'; '.join(wrong)}")
     return tuple(trains)
+
+
+def checked_ratios(cycle: Cycle, trains: tuple[Drivetrain, ...]) -> tuple[Drivetrain, ...]:
+    """The drive trains, each with a gear ratio: without one a motor has neither speed nor torque.
+
+    Returns
+    -------
+    tuple of Drivetrain
+
+    Raises
+    ------
+    InputError
+        With the joints whose gear ratio is not known.
+    """
+    unknown = [repr(name) for name, train in zip(cycle.joint_names, trains, strict=True) if np.isnan(train.ratio)]
+    if unknown:
+        raise InputError(f"drivetrains: the gear ratio of joint {', '.join(unknown)} is not known; give gearbox.ratio")
+    return trains
 
 
 def _by_name(names: tuple[str, ...], given: Mapping[Any, Any]) -> list[Any]:

@@ -13,7 +13,7 @@ from puma_septic.document import SCHEMAS, plain
 from puma_septic.drives import Drivetrain
 from puma_septic.limit_check import LimitCheck, most_used_first
 from puma_septic.robot import own_drivetrains
-from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_cycle, checked_drivetrains
+from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_cycle, checked_drivetrains, checked_ratios
 from puma_septic.sizing._positions import position_remarks
 from puma_septic.sizing.checks import NotAssessed, Outcome, assess_joint
 from puma_septic.sizing.demands import Demands
@@ -252,7 +252,8 @@ def size(cycle: Cycle, *, drivetrains: GivenDrivetrains | None = None) -> Sizing
     (True, 'joint2')
     """
     checked_cycle(cycle)
-    trains = own_drivetrains(cycle.robot) if drivetrains is None else checked_drivetrains(cycle, drivetrains)
+    given = own_drivetrains(cycle.robot) if drivetrains is None else checked_drivetrains(cycle, drivetrains)
+    trains = checked_ratios(cycle, given)
     loads = [joint_load(cycle, j) for j in range(len(trains))]
     return Sizing(
         cycle=cycle,

@@ -178,3 +178,18 @@ def test_parts_need_names_of_their_own() -> None:
         ps.Catalogue(motors=[], gearboxes=gears)
     with pytest.raises(ps.InputError, match="a pair names gearbox 'H'"):
         ps.Catalogue(motors=[ps.Motor(name="M")], gearboxes=gears, pairs=[Pair(motor="M", gearbox="H")])
+
+
+def test_pairs_may_have_the_optional_terms_of_friction(tmp_path: Path) -> None:
+    header = "motor,gearbox,coulomb_positive,coulomb_negative,static_positive,static_negative,stribeck_velocity[rpm],"
+    row = "M1,G1,0.4,-0.5,{static},-0.6,60,{share}\n"
+    gears = GEARS.replace("80", "")
+    (pair,) = (
+        read(tmp_path, gears=gears, pairs=header + "load_share[%]\n" + row.format(static=0.7, share=10)).pairs or ()
+    )
+    law = ps.Friction(coulomb=[0.4, -0.5], static=[0.7, -0.6], stribeck_velocity=2 * np.pi, load_share=0.1)
+    assert pair.friction is not None
+    assert pair.friction.is_same(law)
+    for static, share, column in ((0.3, 10, "static_positive"), (0.7, 110, "load_share")):
+        with pytest.raises(ps.InputError, match=rf"p\.csv, row 2, column '{column}': "):
+            read(tmp_path, gears=gears, pairs=header + "load_share[%]\n" + row.format(static=static, share=share))

@@ -1,8 +1,11 @@
 """Directives that compute what a page shows, each time the site is built, so that no number in it can be stale."""
 
+import ast
 import contextlib
 import io
 import math
+import tomllib
+from pathlib import Path
 from typing import Any, ClassVar
 
 from docutils import nodes
@@ -60,6 +63,23 @@ class Profiles(SphinxDirective):
         return self.parse_text_to_nodes("\n".join(parts))
 
 
+class Rooms(SphinxDirective):
+    """Every room with the first line of its docstring, from the roof down."""
+
+    def run(self) -> list[nodes.Node]:
+        root = Path(__file__).parents[2]
+        with (root / "pyproject.toml").open("rb") as file:
+            contracts = tomllib.load(file)["tool"]["importlinter"]["contracts"]
+        floors = next(contract["layers"] for contract in contracts if contract["type"] == "layers")
+        parts = ["| room | what it holds |", "|---|---|"]
+        for room in (name.strip() for floor in floors for name in floor.split("|")):
+            path = root / "puma_septic" / room
+            module = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+            summary = (ast.get_docstring(ast.parse(module.read_text(encoding="utf-8"))) or "").splitlines()[0]
+            parts.append(f"| `{room}` | {_cell(summary)} |")
+        return self.parse_text_to_nodes("\n".join(parts))
+
+
 def _size(value: float) -> str:
     """A coefficient; what is rounding beside the others, which are near 1, is 0."""
     return "∞" if math.isinf(value) else number(value if abs(value) > 1e-9 else 0.0)
@@ -75,4 +95,5 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.add_directive("run", Run)
     app.add_directive("paper-claims", Claims)
     app.add_directive("profile-table", Profiles)
+    app.add_directive("rooms", Rooms)
     return {"parallel_read_safe": True}

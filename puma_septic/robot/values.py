@@ -46,9 +46,9 @@ class Limits:
             k = int(np.argmax(position[:, 0] >= position[:, 1]))
             raise InputError(f"position[{k}]: lower bound {position[k, 0]:g} is not below upper {position[k, 1]:g}")
         object.__setattr__(self, "position", position)
-        if not np.size(self.torque_rate):
-            object.__setattr__(self, "torque_rate", np.full(len(position), np.nan))
         for name in MAGNITUDES:
+            if not np.size(getattr(self, name)):
+                object.__setattr__(self, name, np.full(len(position), np.nan))
             values = checked_array(name, getattr(self, name), (len(position),), allow_nan=True)
             if (values <= 0).any():
                 k = int(np.argmax(values <= 0))

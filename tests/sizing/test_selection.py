@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -121,11 +122,46 @@ def in_full(one: ps.sizing.JointLoad, train: ps.Drivetrain) -> list[LimitCheck]:
     return [o for o in outcomes if isinstance(o, LimitCheck) and o.kind != "rule of thumb"]
 
 
+@st.composite
+def measured(draw: st.DrawFn) -> ps.Catalogue:
+    """Pairs whose friction was measured through the gears, with the optional terms or without."""
+    losses = {"viscous_friction": np.nan, "coulomb_friction": np.nan}
+    motor = replace(draw(motors("M")), **losses)
+    lossless = {"efficiency": np.nan, "backward_efficiency": np.nan, "no_load_torque": np.nan}
+    gears = [replace(draw(gearboxes(f"G{k}")), **lossless) for k in range(2)]
+    coulomb = [draw(st.floats(0, 0.05)), draw(st.floats(-0.05, 0))]
+    laws = [
+        ps.Friction(
+            viscous=draw(around(1e-4)),
+            coulomb=coulomb,
+            static=[2 * coulomb[0] + 0.01, 2 * coulomb[1] - 0.01],
+            stribeck_velocity=draw(around(3.0)),
+            load_share=draw(st.one_of(st.floats(0, 1), st.just(float("nan")))),
+        )
+        for _ in gears
+    ]
+    pairs = [Pair(motor="M", gearbox=gear.name, friction=law) for gear, law in zip(gears, laws, strict=True)]
+    return ps.Catalogue(motors=[motor], gearboxes=gears, pairs=pairs)
+
+
 @settings(max_examples=15, deadline=None)
 @given(catalogue=catalogues(), place=places(), j=st.sampled_from([0, 1, 4]), periodic=st.booleans())
 def test_selection_is_that_of_assessing_each_pair(
     catalogue: ps.Catalogue, place: ps.Drivetrain, j: int, periodic: bool
 ) -> None:
+    assert_each_pair_is_judged_as_alone(catalogue, place, j, periodic)
+
+
+@settings(max_examples=10, deadline=None)
+@given(catalogue=measured(), place=places(), j=st.sampled_from([0, 1, 4]), periodic=st.booleans())
+def test_selection_of_measured_pairs_is_that_of_assessing_each(
+    catalogue: ps.Catalogue, place: ps.Drivetrain, j: int, periodic: bool
+) -> None:
+    """Load-dependent friction is within the bounds; Stribeck friction is not, and leaves them open."""
+    assert_each_pair_is_judged_as_alone(catalogue, place, j, periodic)
+
+
+def assert_each_pair_is_judged_as_alone(catalogue: ps.Catalogue, place: ps.Drivetrain, j: int, periodic: bool) -> None:
     """The same verdict for every pair, the same numbers for every pair kept, and a reason that is one."""
     selection = select_joint(load(j, periodic), catalogue, 0, rank="mass", keep=None, places=[place])
     bounds = utilisation_bounds(load_grid(load(j, periodic)), pair_table(catalogue, 0, [place]))

@@ -10,6 +10,7 @@ import pytest
 from helpers.arms import DRIVE, pendulum
 from helpers.duty import paper_motion
 from helpers.moves import POINTS, TIMES
+from helpers.schemas import assert_documented
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -228,6 +229,7 @@ def test_the_actuator_file_has_the_optional_terms(tmp_path: Path) -> None:
     drive = DRIVE.format(name="swing", ratio=100.0, rotor=1e-4, viscous=0.01, positive=0.4, negative=-0.5)
     robot = pendulum(tmp_path, drives=drive + options)
     assert robot.drivetrains[0].friction.is_same(replace(STICKY, load_share=0.1))
+    assert_documented(robot.to_dict())
     (joint,) = robot.to_dict()["joints"]
     assert joint["actuator"]["static_friction"] == [0.7, -0.6]
     assert joint["actuator"]["load_share"] == 0.1

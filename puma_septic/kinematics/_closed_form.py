@@ -50,7 +50,7 @@ POLISHED = 1e-12
 SINGULAR = 1e-6
 # Damping of the first Newton step there: what an error of 1e-5 moves a joint near a singularity stays below 5e-3 rad,
 # so that no branch jumps to another; and most steps, which few branches need.
-POLISH_DAMPING, POLISH_STEPS = 1e-6, 30
+POLISH_DAMPING, POLISH_STEPS = 1e-6, 100
 # Room (m^2, 1, 1) that rounding may take from branches that meet.
 ROUNDED_ROOM = 1e-10
 # An arm this far from its pattern (m, rad) is on it, to the rounding of its file's numbers.

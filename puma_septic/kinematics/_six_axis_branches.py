@@ -98,7 +98,7 @@ def _first_joint(arm: SixAxes, motion: Array) -> tuple[Array, Array, Array]:
     h1, normal = arm.axes[:2]
     centre = motion[3] + np.tensordot(arm.centre, motion[:3], axes=1) - arm.base[:, None]
     centre = centre[:, None, None, None]
-    middle, opening, room = angles_at_height(h1, normal, centre, np.array(arm.offset))
+    middle, opening, room = angles_at_height(h1, normal, centre, np.array(arm.offset), arm.doubt[0])
     back = middle + arm.forward * _ARM * opening
     return -back, turned(h1, back, centre) - arm.shoulder.reshape(3, 1, 1, 1, 1), room
 
@@ -117,10 +117,12 @@ def _elbow(arm: SixAxes, reach: Array) -> tuple[Array, Array, Array]:
     normal, h3 = arm.axes[1:3]
     reach = reach - dot(normal, reach) * normal.reshape(3, 1, 1, 1, 1)
     height = 0.5 * (dot(reach, reach) - arm.upper @ arm.upper - arm.fore @ arm.fore)
-    middle, opening, room = angles_at_height(h3, arm.upper, arm.fore.reshape(3, 1, 1, 1, 1), height)
+    size = float(arm.upper @ arm.upper * (arm.fore @ arm.fore))
+    fore = arm.fore.reshape(3, 1, 1, 1, 1)
+    middle, opening, room = angles_at_height(h3, arm.upper, fore, height, arm.doubt[1] * size)
     q3 = middle + arm.elbow * (h3 @ normal) * _ARM * _ELBOW * opening
     spread = arm.upper.reshape(3, 1, 1, 1, 1) + turned(h3, q3, arm.fore)
-    return angle_from_to(normal, spread, reach), q3, room / (arm.upper @ arm.upper * (arm.fore @ arm.fore))
+    return angle_from_to(normal, spread, reach), q3, room / size
 
 
 def _wrist(arm: SixAxes, before: Array, ahead: Array, sign: float) -> tuple[Array, Array, NDArray[np.bool_]]:

@@ -37,11 +37,19 @@ def angle_from_to(axis: Array, start: Array, end: Array) -> Array:
     return np.asarray(np.arctan2(dot(across, end), dot(across, beside)))
 
 
-def angles_at_height(axis: Array, direction: Array, start: Array, height: Array) -> tuple[Array, Array, Array]:
+def angles_at_height(
+    axis: Array, direction: Array, start: Array, height: Array, doubt: float = 0.0
+) -> tuple[Array, Array, Array]:
     r"""Subproblem 4: the angles at which the vector, turned about the axis, has this height along a direction.
 
     :math:`d \cdot R(k, \theta)\, p = h` has the answers ``centre + opening`` and ``centre - opening``. At the first
     one the height falls with the angle: :math:`d \cdot (k \times R p) \le 0`.
+
+    Parameters
+    ----------
+    doubt : float
+        Error of the room. An opening that it may close or open is given as wide as it may be, so that Newton steps
+        from both answers end at two if there are two.
 
     Returns
     -------
@@ -57,7 +65,7 @@ def angles_at_height(axis: Array, direction: Array, start: Array, height: Array)
     length = np.hypot(cosine, sine)
     rest = height - along
     room = (length - rest) * (length + rest)
-    opening = np.arctan2(np.sqrt(np.maximum(room, 0.0)), rest)
+    opening = np.arctan2(np.sqrt(np.where(np.abs(room) < doubt, doubt, np.maximum(room, 0.0))), rest)
     return np.arctan2(sine, cosine), opening, np.asarray(room)
 
 

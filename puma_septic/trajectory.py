@@ -129,10 +129,16 @@ class Trajectory:
         return self.position.duration
 
     @cached_property
-    def _derivatives(self) -> tuple[Piecewise, Piecewise, Piecewise, Piecewise]:
-        velocity = self.position.derivative()
-        acceleration = velocity.derivative()
-        return self.position, velocity, acceleration, acceleration.derivative()
+    def _velocity(self) -> Piecewise:
+        return self.position.derivative()
+
+    @cached_property
+    def _acceleration(self) -> Piecewise:
+        return self._velocity.derivative()
+
+    @cached_property
+    def _jerk(self) -> Piecewise:
+        return self._acceleration.derivative()
 
     @cached_property
     def state(self) -> Piecewise:
@@ -187,7 +193,8 @@ class Trajectory:
     def derivative(self, order: int) -> Piecewise:
         """Position (0), velocity (1), acceleration (2) or jerk (3) as a function of time."""
         self._part(order)
-        return self._derivatives[order]
+        function: Piecewise = getattr(self, ("position", "_velocity", "_acceleration", "_jerk")[order])
+        return function
 
     def __call__(self, t: ArrayLike, order: int = 0) -> Array:
         """Values at times t, shape () or (n,), as (n_joints,) or (n, n_joints).
@@ -233,7 +240,7 @@ class Trajectory:
         Shape (n_joints,), s.
         """
         self._part(order)
-        return self._first_unbounded[order]
+        return np.asarray(self._first_unbounded[order])
 
     @cached_property
     def _peaks(self) -> tuple[Array, Array]:

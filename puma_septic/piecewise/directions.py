@@ -104,12 +104,13 @@ def _creeping(position: Piecewise) -> NDArray[np.bool_]:
     """
     travel = 2 * np.abs(position.coefficients[1:]).sum(axis=0)
     creeping = travel <= STILL * np.minimum(1.0, _CREEP * position.lengths / position.duration)[:, None]
-    if (creeping == (travel == 0)).all():
-        return creeping
+    still: NDArray[np.bool_] = travel == 0
+    if (creeping == still).all():
+        return still
     # From the end of the last interval that moves to the start of the next.
     ends, starts = (
         np.where(creeping, rest, own[:, None])
         for rest, own in ((0.0, position.offsets[1:]), (position.duration, position.offsets[:-1]))
     )
     since, until = np.maximum.accumulate(ends, axis=0), np.minimum.accumulate(starts[::-1], axis=0)[::-1]
-    return np.asarray((creeping & (until - since >= _BRIEF)) | (travel == 0))
+    return np.asarray((creeping & (until - since >= _BRIEF)) | still)

@@ -169,12 +169,12 @@ def mass_matrix(robot: Robot, q: Array) -> Array:
 
 
 def check_inertia(robot: Robot) -> None:
-    """Raise a ModelError if a moving part has no inertia: its torque would silently be zero."""
+    """Raise a ModelError if the torque of a joint is not known: it would silently be zero."""
     if robot.missing_inertia:
         joints = ", ".join(map(repr, robot.missing_inertia))
         raise ModelError(
-            f"robot {robot.name!r}: no mass or inertia beyond joint {joints}; torque needs an <inertial> in the URDF"
-            " for every moving part"
+            f"robot {robot.name!r}: no mass or inertia beyond joint {joints}; every torque is needed here, so give an"
+            " <inertial> in the URDF for every moving part, or mass, com and inertia of its link in an actuator file"
         )
 
 

@@ -10,7 +10,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.dynamics import TorqueTerms, check_inertia, inverse_dynamics, rigid_terms, smooth_torque
+from puma_septic.dynamics import TorqueTerms, rigid_terms, rigid_torque, smooth_torque
 from puma_septic.errors import InputError, PumaSepticError
 from puma_septic.friction import friction_along, loss_along
 from puma_septic.piecewise import Piecewise
@@ -36,7 +36,8 @@ class Motion:
     trajectory : Trajectory
     torque : Piecewise
         Joint-side actuator torque in N m (N for prismatic joints). It steps where a joint reverses or comes to rest, by
-        the Coulomb friction. While a joint is at rest its Coulomb term is 0: static friction is indeterminate.
+        the Coulomb friction. While a joint is at rest its Coulomb term is 0: static friction is indeterminate. Of a
+        joint whose torque is not known (``robot.knows_torque``) it is that of massless links, and means nothing.
     coulomb : Piecewise
         The part of the torque that dry friction takes, see `TorqueTerms`.
     direction : Piecewise
@@ -130,8 +131,8 @@ class Rest:
     @property
     def holding_torque(self) -> Array:
         """What holds each joint, N m (N), shape (n_joints,): gravity, payload and wrench."""
-        rest = np.zeros_like(self.q)
-        return inverse_dynamics(self.robot, self.q, rest, rest, friction=False)
+        rest = np.zeros((1, len(self.q)))
+        return rigid_torque(self.robot, self.q[None], rest, rest)[0]
 
     @property
     def position(self) -> Piecewise:
@@ -168,8 +169,6 @@ def compute_motion(robot: Robot, trajectory: Trajectory) -> Motion:
     ------
     InputError
         If the joints do not match, or swing so wildly that their torque cannot be resolved.
-    ModelError
-        If the robot description lacks inertia.
 
     Examples
     --------
@@ -181,7 +180,6 @@ def compute_motion(robot: Robot, trajectory: Trajectory) -> Motion:
     (6,)
     """
     _check_joints(robot, trajectory)
-    check_inertia(robot)
     n = robot.n_joints
     n_evaluations = 0
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from puma_septic.assessment import Assessment, assess
+from puma_septic.dynamics import check_inertia
 from puma_septic.errors import InputError
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.piecewise import Piecewise
@@ -165,6 +166,7 @@ def _peak(order: int) -> Callable[[Candidate], Array]:
 
 def _torque_use(candidate: Candidate) -> Array:
     motion = candidate.motion
+    check_inertia(motion.robot)
     limit = motion.robot.limits.effort
     unknown = np.isnan(limit)
     if unknown.any():
@@ -178,10 +180,12 @@ def _torque_use(candidate: Candidate) -> Array:
 
 
 def _rms_torque(candidate: Candidate) -> Array:
+    check_inertia(candidate.motion.robot)
     return np.array([np.sqrt((candidate.assessment.rms_torque**2).sum())])
 
 
 def _energy(candidate: Candidate) -> Array:
+    check_inertia(candidate.motion.robot)
     return np.array([candidate.assessment.energy_in.sum()])
 
 

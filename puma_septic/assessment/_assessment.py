@@ -61,7 +61,7 @@ class Assessment:
         Their instants, s.
     peak_torque, peak_torque_time, peak_torque_sign : ndarray
         Largest magnitude of the actuator torque at the joint in N m (N), its instant and its sign; a dwell counts with
-        its holding torque.
+        its holding torque. NaN, as all that follows from torque, where the inertia that the joint moves is not known.
     rms_velocity, rms_acceleration, rms_jerk : ndarray
         Root mean squares over motion and dwell.
     rms_torque : ndarray
@@ -106,7 +106,8 @@ class Assessment:
     @cached_property
     def holding_torque(self) -> Array:
         """Torque that holds the arm at rest at the last point without static friction, N m (N)."""
-        return read_only(self.motion.rest(self.dwell).holding_torque)
+        rest = self.motion.rest(self.dwell)
+        return read_only(np.where(self.motion.robot.knows_torque, rest.holding_torque, np.nan))
 
     @cached_property
     def least_holding_torque(self) -> Array:
@@ -372,13 +373,14 @@ def _holding_remarks(assessment: Assessment) -> tuple[str, ...]:
     """What a dwell takes, without and with the help of static friction."""
     if not assessment.dwell:
         return ()
-    rounding = _NO_TORQUE * np.abs(assessment.holding_torque).max()
+    rounding = _NO_TORQUE * np.fmax.reduce(np.abs(assessment.holding_torque), initial=0.0)
     torques = [
         np.where(np.abs(torque) > rounding, torque, 0.0)
         for torque in (assessment.holding_torque, assessment.least_holding_torque)
     ]
-    both = zip(assessment.motion.robot.joint_names, *torques, strict=True)
-    joints = [f"{name} {alone:.4g} ({helped:.4g})" for name, alone, helped in both]
+    robot = assessment.motion.robot
+    both = zip(robot.joint_names, robot.knows_torque, *torques, strict=True)
+    joints = [f"{name} {alone:.4g} ({helped:.4g})" for name, known, alone, helped in both if known]
     return (
         "holding torque of the dwell without static friction, which counts here, and with all its help (N m): "
         + ", ".join(joints),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TypedDict, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from puma_septic.dynamics import mass_matrix
 from puma_septic.motion import Motion
@@ -25,7 +26,10 @@ _NO_WORK = 1e-12
 
 
 class JointMetrics(TypedDict):
-    """Peaks, instants and root mean squares, each of shape (n_joints,); see `Assessment` for their meaning."""
+    """Peaks, instants and root mean squares, each of shape (n_joints,); see `Assessment` for their meaning.
+
+    Torques are NaN for joints whose torque is not known.
+    """
 
     peak_velocity: Array
     peak_velocity_time: Array
@@ -60,7 +64,7 @@ def joint_metrics(motion: Motion, dwell: float) -> JointMetrics:
     (v, t_v), (a, t_a), (j, t_j) = (trajectory.peak(order) for order in (1, 2, 3))
     _, rms_v, rms_a, rms_j = np.sqrt(trajectory.state.inner(trajectory.state) / cycle).reshape(4, -1)
     whole = _with_rest(motion, dwell)
-    torque = whole.extrema()
+    torque, known = whole.extrema(), motion.robot.knows_torque
     impulse_time, impulse_sign = first_impulses(motion)
     is_impulsive = ~np.isnan(impulse_time)
     # The extreme that is named by its instant; a constant has both at once.
@@ -73,16 +77,21 @@ def joint_metrics(motion: Motion, dwell: float) -> JointMetrics:
         peak_acceleration_time=t_a,
         peak_jerk=j,
         peak_jerk_time=t_j,
-        peak_torque=np.where(is_impulsive, np.inf, torque.peak),
-        peak_torque_time=np.where(is_impulsive, impulse_time, torque.t_peak),
+        peak_torque=_where_known(known, np.where(is_impulsive, np.inf, torque.peak)),
+        peak_torque_time=_where_known(known, np.where(is_impulsive, impulse_time, torque.t_peak)),
         peak_torque_sign=np.where(is_impulsive, impulse_sign, np.where(negative, -1.0, 1.0)),
         rms_velocity=np.where(np.isinf(v), np.inf, rms_v),
         rms_acceleration=np.where(np.isinf(a), np.inf, rms_a),
         rms_jerk=np.where(np.isinf(j), np.inf, rms_j),
-        rms_torque=np.where(is_impulsive, np.inf, whole.rms()),
+        rms_torque=_where_known(known, np.where(is_impulsive, np.inf, whole.rms())),
     )
     _freeze(metrics.values())
     return metrics
+
+
+def _where_known(known: NDArray[np.bool_], values: Array) -> Array:
+    """NaN for the joints whose torque is not known."""
+    return np.where(known, values, np.nan)
 
 
 def _with_rest(motion: Motion, dwell: float) -> Piecewise:
@@ -119,8 +128,9 @@ def derivative_peak(motion: Motion, quantity: Quantity) -> tuple[Array, Array]:
         impulses(motion.robot, motion.trajectory, motion.trajectory.jumps(order))[0]
         for order in range(1, min(quantity.order + 2, len(MOTION)))
     ]
-    first = np.fmin.reduce(steps)
-    return np.where(np.isnan(first), extrema.peak, np.inf), np.where(np.isnan(first), extrema.t_peak, first)
+    first, known = np.fmin.reduce(steps), motion.robot.knows_torque
+    peak, time = np.where(np.isnan(first), extrema.peak, np.inf), np.where(np.isnan(first), extrema.t_peak, first)
+    return _where_known(known, peak), _where_known(known, time)
 
 
 def coulomb_steps(motion: Motion) -> Array:
@@ -160,11 +170,12 @@ def power_metrics(motion: Motion) -> PowerMetrics:
     least = _NO_WORK * extrema.peak.max()
     up, down = (np.where(size > least, size, 0.0) for size in (extrema.max, -extrema.min))
     is_impulsive = ~np.isnan(first_impulses(motion)[0])
+    known = motion.robot.knows_torque
     metrics = PowerMetrics(
-        peak_power=np.where(is_impulsive, np.inf, up),
-        peak_regenerated_power=np.where(is_impulsive, np.inf, down),
-        energy_in=np.maximum(work, 0.0).sum(axis=0),
-        energy_out=np.maximum(-work, 0.0).sum(axis=0),
+        peak_power=_where_known(known, np.where(is_impulsive, np.inf, up)),
+        peak_regenerated_power=_where_known(known, np.where(is_impulsive, np.inf, down)),
+        energy_in=_where_known(known, np.maximum(work, 0.0).sum(axis=0)),
+        energy_out=_where_known(known, np.maximum(-work, 0.0).sum(axis=0)),
     )
     _freeze(getattr(metrics, name) for name in metrics.__slots__)
     return metrics

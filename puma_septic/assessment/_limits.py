@@ -19,7 +19,7 @@ __all__ = ["limit_checks", "unknown_values"]
 def limit_checks(robot: Robot, position: Extrema, demands: Mapping[str, tuple[Array, Array]]) -> tuple[LimitCheck, ...]:
     """Every demand whose limit is known or that no arm can meet, joint by joint.
 
-    `demands` maps a quantity to magnitudes and instants.
+    `demands` maps a quantity to magnitudes and instants; a demand that is not known (NaN) is held against nothing.
     """
     checks = []
     for j in range(robot.n_joints):
@@ -27,6 +27,8 @@ def limit_checks(robot: Robot, position: Extrema, demands: Mapping[str, tuple[Ar
             checks.append(_position_check(robot, j, position))
         for name, (demand, time) in demands.items():
             limit = float(getattr(robot.limits, name)[j])
+            if np.isnan(demand[j]):
+                continue
             if not np.isnan(limit) or (QUANTITIES[name].is_hard and np.isinf(demand[j])):
                 checks.append(
                     LimitCheck.of_magnitude(
@@ -59,6 +61,7 @@ def unknown_values(robot: Robot) -> tuple[str, ...]:
     limits, friction = robot.limits, robot.friction
     # A continuous joint has no position limit to know.
     unknown: dict[str, Any] = {
+        "torque (the URDF has no usable inertia for what the joint moves)": ~robot.knows_torque,
         "position limit": np.isnan(limits.position).any(axis=1) & ~robot.is_continuous,
         **{f"{name} limit": np.isnan(getattr(limits, name)) for name in limits.quantities if name in MAGNITUDES},
         "rotor inertia (its torque is left out)": np.isnan(

@@ -201,8 +201,6 @@ def _fix(arguments: Namespace, robot: Robot, results: Sequence[_Checked], allow:
     planned = [one.planned for one in results if one.planned is not None]
     if len(results) != 1 or len(planned) != 1:
         raise InputError(f"--fix goes with one trajectory that can be read; there are {len(planned)}")
-    if results[0].check.assessment is None:
-        return {"path": None, "message": "no torque can be computed, so no stretch either"}
     try:
         made = fixed(robot, planned[0], allow=allow, effort=arguments.effort)
     except (NoSolution, InputError) as error:  # InputError: friction of a kind that a stretch does not know

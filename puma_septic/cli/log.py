@@ -194,6 +194,8 @@ def _check_gaps(arguments: Namespace, log: JointLog) -> None:
 
 def _measured(what: Recorded) -> list[MeasuredTorque]:
     """What the file has of torques and currents, against the computed ones."""
+    if what.robot.missing_inertia:  # which the assessment tells
+        return []
     times = what.fit.trajectory.times
     signals = {"effort": what.log.effort, "current": what.log.current}
     return [

@@ -197,6 +197,7 @@ class Comparison:
             "pareto_optimal": list(self.pareto_optimal),
             "profiles": [row.to_dict() for row in self.profiles],
             "unsuitable": dict(self.unsuitable),
+            "not_assessed": list(self.profiles[0].assessment.not_assessed),
         }
 
     def to_csv(self) -> str:

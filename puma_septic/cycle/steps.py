@@ -8,7 +8,7 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.dynamics import inverse_dynamics, mass_matrix
+from puma_septic.dynamics import check_inertia, inverse_dynamics, mass_matrix
 from puma_septic.errors import InputError
 from puma_septic.motion import Motion, Rest, compute_motion
 from puma_septic.piecewise import Piecewise
@@ -68,7 +68,10 @@ class Stretch:
 
 
 def check_steps(steps: tuple[Motion | Dwell, ...]) -> None:
-    """Raise an InputError unless these are steps of one arm, at least one of them a motion."""
+    """Raise an InputError unless these are steps of one arm, at least one of them a motion.
+
+    Raises a ModelError where the torque of a joint is not known: a cycle is made to hold drives against it.
+    """
     for k, step in enumerate(steps):
         if not isinstance(step, (Motion, Dwell)):
             raise InputError(f"steps[{k}]: expected a Motion or a Dwell, got {type(step).__name__}")
@@ -76,6 +79,7 @@ def check_steps(steps: tuple[Motion | Dwell, ...]) -> None:
     if not motions:
         raise InputError("a cycle needs at least one motion")
     first, robot = motions[0][0], motions[0][1].robot
+    check_inertia(robot)
     for k, motion in motions[1:]:
         if motion.robot.joint_names != robot.joint_names:
             raise InputError(

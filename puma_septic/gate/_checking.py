@@ -10,10 +10,9 @@ from typing import Any, Final, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.assessment import Assessment, LimitCheck, assess, limit_checks
-from puma_septic.errors import ModelError
+from puma_septic.assessment import Assessment, LimitCheck, assess
 from puma_septic.gate._reasons import AT_REST, DRIVE_VALUES, Reason, checked_allowances, verdict_of
-from puma_septic.quantities import MAGNITUDES, MOTION, QUANTITIES
+from puma_septic.quantities import MAGNITUDES, QUANTITIES
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_array, checked_number
@@ -33,8 +32,7 @@ class TrajectoryCheck:
     Attributes
     ----------
     assessment : Assessment or None
-        The motion held against its limits; None where no torque can be computed, and only the kinematic limits are
-        judged.
+        The motion held against its limits; None where the trajectory cannot be read.
     margins : tuple of LimitCheck
         For each joint and quantity with a known limit the worst margin and its instant; of a demand that is unbounded
         at steps, that of its finite part.
@@ -137,15 +135,10 @@ def check_trajectory(
     reasons = [*moving, *_unknown(robot, allowed), *_doubts(trajectory, allowed)]
     if place is not None:
         reasons += _start_mismatch(robot, trajectory, place, tolerance)
-    assessment: Assessment | None = None
-    try:
-        assessment = assess(robot, judged)
-        checks = assessment.checks
-    except ModelError as error:
-        reasons.append(Reason(code="torque_unknown", message=str(error), allowed="torque_unknown" in allowed))
-        checks = _kinematic_checks(robot, judged)
+    reasons += _unknown_torques(robot, allowed)
+    assessment = assess(robot, judged)
     margins = []
-    for check in checks:
+    for check in assessment.checks:
         finite = check if np.isfinite(check.demand) else _finite_part(robot, judged, assessment, check)
         if finite is not check:
             reasons.append(_unbounded(check, allowed))
@@ -156,10 +149,18 @@ def check_trajectory(
     return TrajectoryCheck(assessment=assessment, margins=tuple(margins), reasons=_sorted(reasons), notes=notes)
 
 
-def _kinematic_checks(robot: Robot, trajectory: Trajectory) -> tuple[LimitCheck, ...]:
-    """What needs no torque: position, velocity, acceleration and jerk."""
-    demands = {name: trajectory.peak(order) for order, name in enumerate(MOTION) if order > 0}
-    return limit_checks(robot, trajectory.extrema(0), demands)
+def _unknown_torques(robot: Robot, allowed: frozenset[str]) -> list[Reason]:
+    """The joints whose torque cannot be computed, one reason each."""
+    return [
+        Reason(
+            code="torque_unknown",
+            message=f"{joint}: the URDF has no usable inertia for what it moves, so its torque is not known",
+            allowed="torque_unknown" in allowed,
+            joint=joint,
+            quantity="effort",
+        )
+        for joint in robot.missing_inertia
+    ]
 
 
 def _sorted(reasons: list[Reason]) -> tuple[Reason, ...]:
@@ -262,12 +263,11 @@ def _start_mismatch(robot: Robot, trajectory: Trajectory, start: Array, toleranc
     return reasons
 
 
-def _finite_part(robot: Robot, trajectory: Trajectory, assessment: Assessment | None, check: LimitCheck) -> LimitCheck:
+def _finite_part(robot: Robot, trajectory: Trajectory, assessment: Assessment, check: LimitCheck) -> LimitCheck:
     """The check of what is demanded between the steps."""
     quantity, j = QUANTITIES[check.quantity], robot.joint_names.index(check.joint)
     function = trajectory.derivative(quantity.order)
     if quantity.signal == "torque":
-        assert assessment is not None  # else there is no check of a torque
         function = assessment.motion.signal(check.quantity)
     extrema = function.extrema()
     return LimitCheck.of_magnitude(

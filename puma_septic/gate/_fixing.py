@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Final, final
 
 from puma_septic.assessment import LimitCheck
+from puma_septic.dynamics import check_inertia
 from puma_septic.errors import NoSolution
 from puma_septic.gate._checking import TrajectoryCheck, check_trajectory
 from puma_septic.gate._stretching import least_stretch
@@ -62,8 +63,12 @@ def fixed(robot: Robot, planned: PlannedTrajectory, *, allow: Iterable[str] = ()
     ------
     NoSolution
         Where no stretch helps, with the reason.
+    ModelError
+        For effort of an arm whose torque is not known.
     """
     allowed = tuple(allow)
+    if effort:
+        check_inertia(robot)
     before = check_trajectory(robot, planned.trajectory, allow=allowed)
     # What the check takes for rest at the ends is no step to be stretched.
     judged = planned.trajectory if before.assessment is None else before.assessment.motion.trajectory

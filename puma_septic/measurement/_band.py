@@ -8,6 +8,7 @@ from typing import Any, Final, final
 import numpy as np
 from numpy.typing import NDArray
 
+from puma_septic.document import plain
 from puma_septic.dynamics import rigid_torque, smooth_torque
 from puma_septic.friction import friction_terms, loss
 from puma_septic.logs import LogFit
@@ -35,7 +36,7 @@ class TorqueBand:
     Attributes
     ----------
     peak, rms : ndarray, shape (2, n_joints)
-        Least and greatest, N m (N).
+        Least and greatest, N m (N); NaN for a joint whose torque is not known.
     """
 
     peak: Array
@@ -45,8 +46,8 @@ class TorqueBand:
         """A JSON-ready document."""
         return {
             "confidence": 0.95,
-            "peak_torque": {"least": self.peak[0].tolist(), "greatest": self.peak[1].tolist()},
-            "rms_torque": {"least": self.rms[0].tolist(), "greatest": self.rms[1].tolist()},
+            "peak_torque": {"least": plain(self.peak[0]), "greatest": plain(self.peak[1])},
+            "rms_torque": {"least": plain(self.rms[0]), "greatest": plain(self.rms[1])},
         }
 
 
@@ -84,7 +85,8 @@ def torque_band(motion: Motion, fit: LogFit, *, draws: int = 48, seed: int = 0) 
     >>> bool(((band.peak[0] <= exact) & (exact <= band.peak[1])).all())
     True
     """
-    peak, rms = motion.torque.extrema().peak, motion.torque.rms()
+    known = motion.robot.knows_torque
+    peak, rms = (np.where(known, x, np.nan) for x in (motion.torque.extrema().peak, motion.torque.rms()))
     if not fit.noise.any():
         return TorqueBand(peak=read_only([peak, peak]), rms=read_only([rms, rms]))
     count = int(np.clip(_PER_SECOND * motion.trajectory.duration, _LEAST, _MOST))

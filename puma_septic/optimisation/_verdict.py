@@ -94,18 +94,19 @@ class Verdict:
 
 
 def verdict_of(candidate: Candidate, respected: Iterable[str]) -> Verdict | None:
-    """The verdict on a motion; None where no robot is known. Without inertia, all but effort is assessed."""
+    """The verdict on a motion; None where no robot is known. Without any inertia, all but effort is assessed."""
     robot, trajectory = candidate.robot, candidate.trajectory
     if robot is None:
         return None
     unknown = (line.partition(": ") for line in unknown_values(robot) if "limit" in line)
     missing = [f"{what} ({why})" for what, _, why in unknown]
-    if robot.missing_inertia:
+    if robot.knows_torque.any():
+        checks = candidate.assessment.checks
+    else:  # which spares the torque
         demands = {name: trajectory.peak(order) for order, name in enumerate(MOTION[1:], start=1)}
         checks = limit_checks(robot, trajectory.extrema(0), demands)
+    if robot.missing_inertia:
         missing.append(f"effort (no inertia is known beyond {', '.join(robot.missing_inertia)})")
-    else:
-        checks = candidate.assessment.checks
     return Verdict(
         respected=tuple(name for name in QUANTITIES if name in set(respected)),
         checks=checks,
@@ -120,7 +121,7 @@ def known_quantities(robot: Robot | None) -> tuple[str, ...]:
         return ()
     limits = robot.limits
     known = [name for name in QUANTITIES if not np.isnan(getattr(limits, name)).all()]
-    return tuple(name for name in known if QUANTITIES[name].signal == "position" or not robot.missing_inertia)
+    return tuple(name for name in known if QUANTITIES[name].signal == "position" or robot.knows_torque.any())
 
 
 def _use(check: LimitCheck) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from textwrap import fill
 from typing import Final, Literal, NamedTuple, final
 
 import numpy as np
@@ -11,13 +12,14 @@ import numpy as np
 from puma_septic.pictures._styles import LIMIT, Dot, Fill, Line, Style
 from puma_septic.validation import Array
 
-__all__ = ["ASPECT", "Bar", "Curve", "Entry", "Mark", "Panel", "Picture", "Rule", "bars", "chart"]
+__all__ = ["ASPECT", "Bar", "Curve", "Entry", "Mark", "Panel", "Picture", "Rule", "bars", "chart", "saying"]
 
 # Width over height of the field of a path, which has the same scale on both axes.
 ASPECT: Final = 302 / 142
 # A limit this many times further out than the data would flatten the curves; it is written instead of drawn.
 _FAR: Final = 2.2
 _AIR: Final = 0.06
+_WIDTH: Final = 34  # characters of a message's line
 # A cause that stays below this part of the whole torque, or of 1 N m where that is less, is rounding.
 NEGLIGIBLE: Final = 1e-9
 # What varies less than this part of its size is a level line, not rounding blown up to the height of the picture.
@@ -162,6 +164,13 @@ class Picture:
     footnote: str = ""
     has_own_colours: bool = False
     is_folded: bool = False
+
+
+def saying(title: str, text: str) -> Panel:
+    """A panel that only says why there is nothing to draw."""
+    return Panel(
+        kind="still", title=title, x_label="", x_range=(0.0, 1.0), y_range=(0.0, 1.0), message=fill(text, _WIDTH)
+    )
 
 
 def chart(

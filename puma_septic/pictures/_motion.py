@@ -10,7 +10,18 @@ import numpy as np
 from puma_septic.assessment import Assessment
 from puma_septic.dynamics import TERMS
 from puma_septic.kinematics import forward_kinematics
-from puma_septic.pictures._elements import NEGLIGIBLE, UNKNOWN, Curve, Entry, Mark, Panel, Picture, Range, chart
+from puma_septic.pictures._elements import (
+    NEGLIGIBLE,
+    UNKNOWN,
+    Curve,
+    Entry,
+    Mark,
+    Panel,
+    Picture,
+    Range,
+    chart,
+    saying,
+)
 from puma_septic.pictures._samples import Samples, Track, samples_of, together
 from puma_septic.pictures._styles import INK, LIMIT, Dot, Line, cause_lines, profile_line
 from puma_septic.pictures._utilisation import utilisation_picture
@@ -30,6 +41,7 @@ __all__ = [
     "via_places",
 ]
 
+_NO_TORQUE: Final = "torque not known: the URDF has no usable inertia for what this joint moves"
 VIA: Final = Dot(shape="via")
 TOTAL: Final = Line(hue=INK, width=2.1)
 _NOTES: Final = (
@@ -97,6 +109,9 @@ def torque_picture(group: Sequence[Samples]) -> Picture:
     """Torque of every joint over time with its limit; a diamond marks the peak."""
     robot, panels = group[0].assessment.motion.robot, []
     for j, joint in enumerate(robot.joint_names):
+        if not robot.knows_torque[j]:
+            panels.append(saying(joint, _NO_TORQUE))
+            continue
         marks, unbounded = [], []
         for k, one in enumerate(group):
             peak, time = one.assessment.peak_torque[j], float(one.assessment.peak_torque_time[j])
@@ -137,6 +152,9 @@ def torque_split_picture(one: Samples, profile: int = 0) -> Picture:
     lines = cause_lines(TERMS)
     panels = []
     for j, joint in enumerate(motion.robot.joint_names):
+        if not motion.robot.knows_torque[j]:
+            panels.append(saying(joint, _NO_TORQUE))
+            continue
         causes = [
             Curve(x=t, y=tau[:, j], line=lines[name], profile=profile, label=name)
             for name, tau in zip(TERMS, values, strict=True)
@@ -172,6 +190,8 @@ def torque_speed_picture(group: Sequence[Samples]) -> Picture:
             x_limits=_bounds(robot, "velocity", j),
             limits_always=True,
         )
+        if robot.knows_torque[j]
+        else saying(joint, _NO_TORQUE)
         for j, joint in enumerate(robot.joint_names)
     ]
     return Picture(

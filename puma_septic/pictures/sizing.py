@@ -4,13 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from textwrap import fill
 from typing import Final
 
 import numpy as np
 
 from puma_septic.limit_check import LimitCheck
-from puma_septic.pictures._elements import NEGLIGIBLE, Bar, Curve, Entry, Mark, Panel, Picture, Rule, bars, chart
+from puma_septic.pictures._elements import (
+    NEGLIGIBLE,
+    Bar,
+    Curve,
+    Entry,
+    Mark,
+    Panel,
+    Picture,
+    Rule,
+    bars,
+    chart,
+    saying,
+)
 from puma_septic.pictures._styles import DOTTED, FAINT, LIMIT, PROFILES, Dot, Fill, Line, Style, cause_lines
 from puma_septic.pictures._utilisation import END, percent_text
 from puma_septic.piecewise import sampled
@@ -36,7 +47,6 @@ _KEPT, _CLOSE, _VIOLATED = Fill(hue=PROFILES[0]), Fill(hue=PROFILES[4]), Fill(hu
 _UNUSUAL: Final = Fill(hue=PROFILES[1], is_hatched=True)
 # Utilisation from which a bar is drawn as close to its limit, %; a matter of colour alone.
 _CLOSE_FROM: Final = 80.0
-_WIDTH: Final = 34  # characters of a message's line
 
 
 def sizing_pictures(sizing: Sizing) -> tuple[Picture, ...]:
@@ -161,7 +171,7 @@ def _temperature_panel(joint: str, d: Demands) -> Panel:
     rise, ambient, limit = d.temperature_rise, d.train.ambient_celsius, d.train.motor.max_winding_celsius
     if rise is None:
         runs_away = np.isinf(d.peak_temperature_rise.size)
-        return _message(joint, "runs away: no steady temperature" if runs_away else d.why_no_temperature)
+        return saying(joint, "runs away: no steady temperature" if runs_away else d.why_no_temperature)
     t, values = sampled(rise)
     nodes = zip(values.T[:2], (_SECOND, _HOUSING), ("winding", "housing"), strict=False)
     rules = [Rule(at=ambient, line=DOTTED), *([] if np.isnan(limit) else [Rule(at=limit)])]
@@ -216,7 +226,7 @@ def ratio_sweep_picture(sizing: Sizing) -> Picture:
 
 def _ratio_panel(joint: str, d: Demands) -> Panel:
     if not np.isfinite(d.rms_torque):
-        return _message(joint, "unbounded torque")
+        return saying(joint, "unbounded torque")
     ratios = _RATIOS * d.train.ratio
     allowed = ~(_RATIOS * d.peak_speed.size > np.fmin(d.train.motor.max_speed, d.train.gearbox.max_input_speed))
     rms = _rms_over_ratio(d)
@@ -254,13 +264,6 @@ def _picture(name: str, title: str, panels: Sequence[Panel], legend: Mapping[str
 
 def _joints(sizing: Sizing) -> list[tuple[str, Demands]]:
     return list(zip(sizing.cycle.joint_names, sizing.demands, strict=True))
-
-
-def _message(title: str, text: str) -> Panel:
-    """Why there is nothing to draw."""
-    return Panel(
-        kind="still", title=title, x_label="", x_range=(0.0, 1.0), y_range=(0.0, 1.0), message=fill(text, _WIDTH)
-    )
 
 
 def _size(value: float, largest: float) -> str:

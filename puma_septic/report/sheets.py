@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from puma_septic.assessment import Assessment
 from puma_septic.document import csv_text
 from puma_septic.piecewise import Piecewise
 from puma_septic.quantities import MOTION, QUANTITIES
 from puma_septic.report.documents import profile_labels
+from puma_septic.robot import Robot
 from puma_septic.sizing import MotorLoadProfile, Selection, Sizing
 from puma_septic.task import ResolvedTask
 from puma_septic.validation import Array
@@ -50,7 +52,8 @@ def samples_csv(assessment: Assessment) -> str:
     """Position, velocity, acceleration, jerk and torque of every joint, sampled over the motion.
 
     At a break of any of them there are two rows, whose side is "left" and "right": where a signal steps they differ. A
-    motion with more than 1,000 breaks, as a recorded one has, has rows at even instants only.
+    motion with more than 1,000 breaks, as a recorded one has, has rows at even instants only. What is not known is left
+    empty.
     """
     robot = assessment.motion.robot
     signals = [assessment.motion.signal(signal.name) for signal in _SIGNALS]
@@ -62,8 +65,20 @@ def samples_csv(assessment: Assessment) -> str:
         for name, slides in zip(robot.joint_names, robot.is_prismatic, strict=True)
     ]
     times, sides, values = _sampled(series)
-    rows = ([repr(float(t)), side, *map(repr, row.tolist())] for t, side, row in zip(times, sides, values, strict=True))
+    values = np.where(_is_known(robot), values, np.nan)
+    rows = (
+        [repr(float(t)), side, *map(_written, row)] for t, side, row in zip(times, sides, values.tolist(), strict=True)
+    )
     return csv_text([["t [s]", "side", *headers], *rows])
+
+
+def _is_known(robot: Robot) -> NDArray[np.bool_]:
+    """Of each column of `samples_csv`: torques need inertia."""
+    return np.concatenate([robot.knows_torque | (signal.signal == "position") for signal in _SIGNALS])
+
+
+def _written(value: float) -> str | None:
+    return None if value != value else repr(value)
 
 
 def checks_csv(sizing: Sizing) -> str:

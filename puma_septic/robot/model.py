@@ -54,8 +54,8 @@ class Robot:
     geometry : Geometry
         Visual and collision shapes, not yet built.
     missing_inertia : tuple of str
-        Joints that would move no inertia at all, because the URDF has none for what they carry: no torque can
-        be computed with them.
+        Joints whose torque is not known, because the URDF has no inertia at all for what they move, or one that no
+        body can have.
     missing_meshes : tuple of str
         Link and mesh name of each shape that is left out because its file was not found.
     payload : Payload or None
@@ -148,6 +148,11 @@ class Robot:
     def n_joints(self) -> int:
         """Number of moving joints."""
         return len(self.joint_names)
+
+    @property
+    def knows_torque(self) -> NDArray[np.bool_]:
+        """Whether each joint's torque can be computed, shape (n_joints,): not where the inertia that it moves lacks."""
+        return np.array([name not in self.missing_inertia for name in self.joint_names])
 
     @property
     def has_losses(self) -> bool:

@@ -44,8 +44,9 @@ def key_times(motion: Motion) -> Array:
 
 
 def utilisation(motion: Motion, times: Array) -> Array:
-    """Magnitude of the torque over its limit, shape (n, n_joints); NaN where the limit is not known."""
-    return np.asarray(np.abs(motion.torque(times)) / motion.robot.limits.effort)
+    """Magnitude of the torque over its limit, shape (n, n_joints); NaN where either is not known."""
+    used = np.abs(motion.torque(times)) / motion.robot.limits.effort
+    return np.where(motion.robot.knows_torque, used, np.nan)
 
 
 def joint_paths(model: pin.Model, root: str) -> list[str]:

@@ -18,6 +18,8 @@ __all__ = ["html", "metrics_csv", "tables", "text"]
 Document = Mapping[str, Any]
 
 _MOTION: Final = ("joint", *MOTION)
+# What is not known, which the list below the tables explains.
+_UNKNOWN: Final = "--"
 # What a row of the CSV file has no place for.
 _NO_METRIC: Final = ("name", "is_prismatic", "checks", "margins")
 
@@ -131,10 +133,11 @@ def _joint_rows(document: Document) -> tuple[list[list[Cell]], list[list[Cell]]]
             *(_size(joint[f"peak_{name}"], checks.get(name)) for name in MOTION[1:]),
         ])  # fmt: skip
         torque = numeric(joint["peak_torque"]) * joint["peak_torque_sign"]
+        at = numeric(joint["peak_torque_time"])
         effort.append([
             joint["name"],
             _size(torque, checks.get("effort")),
-            f"{joint['peak_torque_time']:.3f}",
+            _UNKNOWN if isnan(at) else f"{at:.3f}",
             _size(joint["rms_torque"], None),
             *(_size(joint[f"peak_{one.attribute}"], checks.get(one.name)) for one in further),
             _size(joint["energy_in"], None),
@@ -145,7 +148,7 @@ def _joint_rows(document: Document) -> tuple[list[list[Cell]], list[list[Cell]]]
 
 def _size(value: float | str | None, check: LimitCheck | None) -> str:
     size = value if isinstance(value, float) else numeric(value)
-    return ("unbounded" if isinf(size) else f"{size:.4g}") + _use(check)
+    return ("unbounded" if isinf(size) else _UNKNOWN if isnan(size) else f"{size:.4g}") + _use(check)
 
 
 def _use(check: LimitCheck | None) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from html import escape
-from math import fsum, isinf, sqrt
+from math import fsum, isinf, isnan, sqrt
 from textwrap import wrap
 from typing import Any, Final
 
@@ -24,11 +24,13 @@ _MOTION: Final = (
     "integral_of_squared_jerk", "end_jerk",
 )  # fmt: skip
 _ARM_HEADERS: Final = ("profile", "time", "at vias", "over", "peak torque", "rms", "energy", "broken")
+_OF_TORQUE: Final = ("peak torque", "rms", "energy")
 _ARM_NOTE: Final = (
     "Over: largest excess beyond the hull of the points, rad. Peak torque as a share of its limit, of the joint that"
     " uses most of it (in N m where no limit is known); rms: root of the joints' summed mean square torques, N m;"
     " energy that the actuators put in, J; broken: limits by quantity, with the number of joints."
 )
+_UNKNOWN: Final = "not known"
 _BRIEF: Final = {"position": "pos", "velocity": "vel", "acceleration": "acc"}
 
 
@@ -38,7 +40,7 @@ def text(document: Document) -> str:
         text_table(_MOTION_HEADERS, _motion_rows(document)),
         *wrap(_motion_note(document), _WIDTH),
         "",
-        text_table(_ARM_HEADERS, _arm_rows(document, "\n")),
+        text_table(*_arm_table(document, "\n")),
         *wrap(_ARM_NOTE, _WIDTH),
     ]
     for title, remarks in _remarks(document).items():
@@ -53,7 +55,7 @@ def html(document: Document) -> str:
     parts = [
         html_table(_MOTION_HEADERS, _motion_rows(document)),
         f"<p>{escape(_motion_note(document))}</p>",
-        html_table(_ARM_HEADERS, _arm_rows(document, ", ")),
+        html_table(*_arm_table(document, ", ")),
         f"<p>{escape(_ARM_NOTE)}</p>",
     ]
     for title, remarks in _remarks(document).items():
@@ -95,6 +97,7 @@ def _remarks(document: Document) -> dict[str, list[str]]:
             crossing.setdefault(kinds, []).append(row["name"])
     remarks = {
         "Undecided:": list(dict.fromkeys(doubt for row in document["profiles"] for doubt in row["undecided"])),
+        "Not assessed:": document["not_assessed"],
         "Singular postures crossed:": [f"{kinds}: {', '.join(names)}" for kinds, names in crossing.items()],
         "Left out:": [f"{name}: {reason}" for name, reason in document["unsuitable"].items()],
     }
@@ -110,6 +113,15 @@ def _motion_rows(document: Document) -> list[list[Cell]]:
         ]
         for row in document["profiles"]
     ]
+
+
+def _arm_table(document: Document, separator: str) -> tuple[list[str], list[list[Cell]]]:
+    """Headers and rows, without the columns of torque where no joint's torque is known."""
+    rows = _arm_rows(document, separator)
+    if any(numeric(peak) == numeric(peak) for row in document["profiles"] for peak in row["joints"]["peak_torque"]):
+        return list(_ARM_HEADERS), rows
+    kept = [k for k, header in enumerate(_ARM_HEADERS) if header not in _OF_TORQUE]
+    return [_ARM_HEADERS[k] for k in kept], [[row[k] for k in kept] for row in rows]
 
 
 def _arm_rows(document: Document, separator: str) -> list[list[Cell]]:
@@ -139,7 +151,8 @@ def _torque(row: Document, joint_names: list[str]) -> str:
     checks = [check for check in read_checks(row["checks"]) if check.quantity == "effort"]
     if not checks:
         peaks = [numeric(value) for value in row["joints"]["peak_torque"]]
-        return f"{joint_names[peaks.index(max(peaks))]} {_short(max(peaks))}"
+        known = {name: peak for name, peak in zip(joint_names, peaks, strict=True) if not isnan(peak)}
+        return f"{max(known, key=known.__getitem__)} {_short(max(known.values()))}" if known else _UNKNOWN
     worst = max(checks, key=lambda check: check.utilisation)
     share = "--" if isinf(worst.utilisation) else f"{100 * worst.utilisation:.1f} %"
     return f"{worst.joint} {share}"
@@ -153,4 +166,6 @@ def _broken(checks: tuple[LimitCheck, ...], separator: str) -> str:
 
 
 def _short(value: float) -> str:
+    if isnan(value):
+        return _UNKNOWN
     return "--" if isinf(value) else f"{value:.4g}" if value >= 1 else f"{value:.3g}"

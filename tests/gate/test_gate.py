@@ -150,8 +150,14 @@ def test_an_arm_without_inertia_has_no_torque_to_judge(puma: ps.Robot) -> None:
     robot = replace(limited(puma), missing_inertia=("joint6",))
     check = ps.check_trajectory(robot, small_move(puma))
     assert check.verdict == "undecided"
-    assert counting(check) == [("torque_unknown", None)]
-    assert {margin.quantity for margin in check.margins} == {"position", "velocity", "acceleration", "jerk"}
+    assert counting(check) == [("torque_unknown", "joint6")]
+    assert {one.quantity for one in check.margins if one.joint == "joint6"} == {
+        "position",
+        "velocity",
+        "acceleration",
+        "jerk",
+    }
+    assert "effort" in {one.quantity for one in check.margins if one.joint == "joint5"}
     assert ps.check_trajectory(robot, small_move(puma), allow=["torque_unknown"]).is_ok
     slow = robot.with_limits(velocity=0.2)
     assert ps.check_trajectory(slow, small_move(puma)).verdict == "violated"

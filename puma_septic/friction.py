@@ -288,7 +288,8 @@ def friction_along(laws: Sequence[Friction], velocity: Piecewise, direction: Pie
     dry = direction.stepwise(law.dry(law.coulomb, ways))
     if law.excess.any():
         # Between the turns of the velocity its decay has no peak inside an interval, where a fit could miss it.
-        turns = [found for found, has in zip(velocity.derivative().roots(), law.excess.any(axis=1), strict=True) if has]
+        sticky = np.flatnonzero(law.excess.any(axis=1)).tolist()
+        turns = [velocity[j].derivative().roots()[0] for j in sticky]
         split = velocity.aligned_with(direction).split(np.concatenate(turns))
         dry = dry + split.mapped(law.decay) * direction.stepwise(law.dry(law.excess, ways))
     return {"viscous": velocity * law.viscous, "coulomb": dry}

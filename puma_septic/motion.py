@@ -132,7 +132,7 @@ class Rest:
     def holding_torque(self) -> Array:
         """What holds each joint, N m (N), shape (n_joints,): gravity, payload and wrench."""
         rest = np.zeros((1, len(self.q)))
-        return rigid_torque(self.robot, self.q[None], rest, rest)[0]
+        return np.asarray(rigid_torque(self.robot, self.q[None], rest, rest)[0])
 
     @property
     def position(self) -> Piecewise:

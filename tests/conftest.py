@@ -17,7 +17,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 import pytest
 from helpers.places import REFERENCE
-from helpers.schemas import assert_documented
+from helpers.schemas import undocumented
 from hypothesis import settings
 
 import puma_septic as ps
@@ -67,18 +67,20 @@ def reference() -> Path:
     return REFERENCE
 
 
-@pytest.fixture(scope="session", autouse=True)
-def _documented() -> Iterator[None]:
-    """Each document that any test writes as JSON is held against docs/schemas.json."""
+@pytest.fixture(autouse=True)
+def _documented(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Each document that a test writes as JSON is held against docs/schemas.json."""
+    faults: list[str] = []
 
     def dumps(value: Any, **options: Any) -> str:
+        # Told at the end: an error that was raised here would be one of the command line's.
         if "schema" in value:
-            assert_documented(json.loads(json.dumps(value)))
+            faults.extend(undocumented(json.loads(json.dumps(value))))
         return json.dumps(value, **options)
 
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(document, "json", SimpleNamespace(dumps=dumps))
-        yield
+    monkeypatch.setattr(document, "json", SimpleNamespace(dumps=dumps))
+    yield
+    assert not faults, "docs/schemas.json: " + "; ".join(faults[:5])
 
 
 # ---- a real browser, for the tests that are marked so

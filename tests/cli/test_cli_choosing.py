@@ -136,6 +136,7 @@ def test_least_time_holds_effort(heavy: Path, capsys: pytest.CaptureFixture[str]
     assert "feasible by exact extrema: no" in text
 
 
+@pytest.mark.slow
 def test_least_time_that_weight_rules_out_says_why(heavy: Path, capsys: pytest.CaptureFixture[str]) -> None:
     heavy.write_text(HEAVY.replace("mass: 2.5", "mass: 5.0"))
     arguments = ["optimise", str(heavy), "--profile", "quintic", "--objective", "duration", "--restarts", "0"]

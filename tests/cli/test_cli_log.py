@@ -88,6 +88,7 @@ def test_a_margin_that_is_not_kept_is_told_and_ends_with_1(tmp_path: Path, capsy
     assert "not kept with 50 % to spare" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_the_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = written(tmp_path / "log.csv", rows(11).tolist())
     out = tmp_path / "out"

@@ -67,6 +67,7 @@ def test_a_catalogue_ends_with_the_chosen_drives(capsys: pytest.CaptureFixture[s
     assert "Note: masses added: " in out
 
 
+@pytest.mark.slow
 def test_the_folder(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     folder = tmp_path / "sized"
     code, _, _ = ask(capsys, "--catalogue", "example", "--keep", "1", "--out", str(folder))

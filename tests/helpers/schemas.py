@@ -16,9 +16,14 @@ SCHEMA: Mapping[str, Any] = json.loads((DOCS / "schemas.json").read_text(encodin
 
 def assert_documented(document: Mapping[str, Any]) -> None:
     """The document is as its own schema says, and has no key that the schema does not have."""
-    kind = document["schema"].split("/")[1]
-    errors = [f"{error.json_path}: {error.message[:300]}" for error in _validator(kind).iter_errors(document)]
-    assert not errors, "\n".join(errors[:10])
+    faults = undocumented(document)
+    assert not faults, "\n".join(faults[:10])
+
+
+def undocumented(document: Mapping[str, Any]) -> list[str]:
+    """What the schema of the document's kind does not say, one line each."""
+    validator = _validator(document["schema"].split("/")[1])
+    return [f"{error.json_path}: {error.message[:300]}" for error in validator.iter_errors(document)]
 
 
 @cache

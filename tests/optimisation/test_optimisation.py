@@ -157,6 +157,7 @@ def test_free_velocities_reach_what_the_spline_reaches() -> None:
     assert SQUARES[objective] == 2
 
 
+@pytest.mark.slow
 def test_free_velocities_are_searched_for_where_no_linear_system_gives_them() -> None:
     result = ps.optimise_via_times(
         profiles.quintic,
@@ -275,6 +276,7 @@ def test_a_front_keeps_its_values_and_its_start(front: ParetoFront) -> None:
     json.dumps(front.to_dict(), allow_nan=False)
 
 
+@pytest.mark.slow
 def test_three_objectives_and_more_vias() -> None:
     points = [[0.0, 0.0], [1.0, 0.2], [0.5, 0.9], [0.2, 1.0], [1.0, 1.5]]
     front = ps.pareto_front(

@@ -81,6 +81,7 @@ def is_binding_and_kept(case: Case) -> bool:
     return bool(np.nanmin(assessment.margins[case.quantity]) < 1e-6)
 
 
+@pytest.mark.slow
 def test_constrained_optima_pass_assess(puma: ps.Robot) -> None:
     """Nine of ten optima with an active limit once exceeded it by up to 1e-6, and `assess` called them infeasible."""
     binding = [is_binding_and_kept(constrained(puma, seed)) for seed in (1, 4, 6, 8, 10, 12, 20, 26, 40, 50)]

@@ -144,6 +144,7 @@ def measured(draw: st.DrawFn) -> ps.Catalogue:
     return ps.Catalogue(motors=[motor], gearboxes=gears, pairs=pairs)
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(catalogue=catalogues(), place=places(), j=st.sampled_from([0, 1, 4]), periodic=st.booleans())
 def test_selection_is_that_of_assessing_each_pair(
@@ -309,6 +310,7 @@ def test_masses_load_the_joints_before() -> None:
     assert heavy.notes[-1].startswith("masses added: 0.55, ")
 
 
+@pytest.mark.slow
 def test_a_joint_that_carries_its_own_drive_settles() -> None:
     selection = ps.size(cycle(), catalogue=ps.built_in_catalogue(), keep=1, masses="at")
     again = ps.size(selection.cycle, catalogue=ps.built_in_catalogue(), keep=1)

@@ -108,6 +108,7 @@ def exact(name: str) -> np.ndarray:
     return np.array([value.size if isinstance(value, ps.sizing.Peak) else value for value in values])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rms_torque", "mean_speed", "average_load_torque", "drawn", "returned", "given"])
 def test_means_are_those_of_a_million_samples(name: str) -> None:
     """Held to the samples' own error: the change from half as many, and half a sample at each of some twenty steps."""
@@ -115,6 +116,7 @@ def test_means_are_those_of_a_million_samples(name: str) -> None:
     np.testing.assert_array_less(np.abs(exact(name) - fine), 2 * np.abs(fine - coarse) + 1e-5 * np.abs(fine))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [

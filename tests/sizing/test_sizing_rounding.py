@@ -181,6 +181,7 @@ NUMBERS = ("rms_torque", "mean_speed", "rms_current", "average_load_torque", "ex
 PEAKS = ("peak_load_torque", "peak_torque", "peak_speed", "peak_power", "peak_drawn_power", "peak_temperature_rise")
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), resting=st.sets(st.integers(0, 5), max_size=3))
 def test_an_input_changed_by_1e_12_changes_no_demand_by_more(seed: int, resting: set) -> None:

@@ -1,25 +1,40 @@
 """The command line: ``puma-septic COMMAND``.
 
-Each command is a module here with a function ``run``, loaded when it is asked for, so that ``--help`` answers at once.
+Each command is a module here, with the arguments that it takes and a function ``run``. Libraries are loaded when it
+runs, so that ``--help`` answers at once.
 """
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from importlib import import_module
-from typing import Any
+from typing import Final
 
+from puma_septic.cli import _assess, _check, _compare, _ik, _optimise, _paper, _profiles, _replay, _size
 from puma_septic.cli._faults import fault_text
-from puma_septic.cli.arguments import Answer, parse
+from puma_septic.cli._parser import Command, parse
+from puma_septic.errors import InputError, PumaSepticError
 
-__all__ = ["main"]
+__all__ = ["COMMANDS", "main"]
 
 BAD_INPUT = 2
 FAULT = 70  # EX_SOFTWARE of sysexits.h
 INTERRUPTED = 130  # as a shell reports Ctrl-C
+
+# In the order of the help.
+COMMANDS: Final[Mapping[str, Command]] = {
+    "assess": _assess,
+    "check": _check,
+    "compare": _compare,
+    "optimise": _optimise,
+    "size": _size,
+    "replay": _replay,
+    "ik": _ik,
+    "profiles": _profiles,
+    "paper": _paper,
+}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -52,14 +67,13 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _answered(given: list[str]) -> int:
     """The exit code of a command that ends as foreseen."""
     try:
-        arguments = parse(given)
+        arguments = parse(given, COMMANDS)
     except SystemExit as stop:  # argparse after --help, --version or a wrong argument
         return int(stop.code or 0)
-    errors: Any = import_module("puma_septic.errors")
     try:
-        answer: Answer = import_module(f"puma_septic.cli.{arguments.command}").run(arguments)
+        answer = COMMANDS[arguments.command].run(arguments)
         _write(answer.text)
-    except errors.PumaSepticError as error:
+    except PumaSepticError as error:
         _complain(f"puma-septic: error: {' '.join(str(error).split())}\n")
         return BAD_INPUT
     return answer.exit_code
@@ -67,9 +81,8 @@ def _answered(given: list[str]) -> int:
 
 def _write(text: str) -> None:
     """Write the result; a reader that has seen enough (``| head``) ends it without a complaint."""
-    errors: Any = import_module("puma_septic.errors")
     if sys.stdout is None:
-        raise errors.InputError("cannot write the result: the standard output is closed")
+        raise InputError("cannot write the result: the standard output is closed")
     with suppress(AttributeError):  # a terminal that lacks a character shows its number
         sys.stdout.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
     try:
@@ -79,7 +92,7 @@ def _write(text: str) -> None:
         # The interpreter flushes once more when it ends.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
-            raise errors.InputError(f"cannot write the result: {error.strerror or error}") from error
+            raise InputError(f"cannot write the result: {error.strerror or error}") from error
 
 
 def _complain(text: str) -> None:

@@ -17,10 +17,9 @@ from helpers.arms import EXAMPLES
 from helpers.six_axis_arms import KR5, arm, standard
 
 import puma_septic as ps
-from puma_septic.cli import assess as assess_command
-from puma_septic.cli import main
-from puma_septic.cli.arguments import parse
-from puma_septic.cli.texts import broken_text
+from puma_septic.cli import COMMANDS, _assess, _assess_answer, main
+from puma_septic.cli._parser import parse
+from puma_septic.cli._task_text import broken_text
 from puma_septic.task import load_task, make_task, resolve_task
 
 FIGURES = (
@@ -176,7 +175,7 @@ def test_out_leaves_nothing_behind_when_a_figure_fails(
     def fail(*_: object) -> str:
         raise RuntimeError("no samples today")
 
-    monkeypatch.setattr(assess_command, "samples_csv", fail)
+    monkeypatch.setattr(_assess_answer, "samples_csv", fail)
     assert main(["assess", joints, "--out", str(tmp_path / "out")]) == 70
     assert "RuntimeError: no samples today" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["task.yaml"]
@@ -298,9 +297,14 @@ def test_ik_needs_a_pose(joints: str, capsys: pytest.CaptureFixture[str]) -> Non
 # ---- paper
 
 
-def test_paper_prints_its_report(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["paper", "--format", "json"]) == 0
+def test_paper_prints_and_writes_its_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """--out once ended in exit code 70: what it loads late had moved, and no type checker saw it."""
+    assert main(["paper", "--format", "json", "--out", str(tmp_path / "out")]) == 0
     assert json.loads(capsys.readouterr().out)["schema"] == "puma-septic/paper/1"
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"paper.json", "paper.txt", "report.html"} < names
+    assert any(name.endswith(".svg") for name in names)
+    assert any(name.endswith(".png") for name in names)
 
 
 # ---- bad input and endings
@@ -365,13 +369,27 @@ def test_a_bad_task_file_is_named(text: str, message: str, tmp_path: Path, capsy
 def test_help_and_version_end_well(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--version"]) == 0
     assert capsys.readouterr().out == f"puma-septic {ps.__version__}\n"
-    for arguments in (["--help"], ["assess", "--help"], ["ik", "--help"], ["paper", "--help"]):
-        assert main(arguments) == 0
-        assert "usage: puma-septic" in capsys.readouterr().out
+    assert main(["--help"]) == 0
+    shown = capsys.readouterr().out
+    assert all(f"\n    {command} " in shown for command in COMMANDS)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_help_of_a_command_has_examples_that_parse(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([command, "--help"]) == 0
+    lines = capsys.readouterr().out.partition("\nexamples:\n")[2].splitlines()
+    assert lines
+    for line in lines:
+        program, *arguments = line.split()
+        assert program == "puma-septic"
+        assert parse(arguments, COMMANDS).command == command
 
 
 def test_help_loads_the_standard_library_alone() -> None:
-    code = "import sys, puma_septic.cli as c; c.main(['--help']); print(*sys.modules)"
+    code = (
+        "import sys, puma_septic.cli as c; c.main(['--help']);"
+        " [c.main([name, '--help']) for name in c.COMMANDS]; print(*sys.modules)"
+    )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     heavy = {"numpy", "pinocchio", "pydantic", "ruamel.yaml", "scipy", "matplotlib", "tabulate"}
     assert heavy.isdisjoint(run.stdout.split())
@@ -402,7 +420,7 @@ def test_an_interrupt_ends_in_one_line(monkeypatch: pytest.MonkeyPatch, capsys: 
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(assess_command, "run", interrupt)
+    monkeypatch.setattr(_assess, "run", interrupt)
     assert main(["assess"]) == 130
     assert capsys.readouterr() == ("", "puma-septic: interrupted\n")
 
@@ -416,7 +434,7 @@ def test_an_unforeseen_exception_is_70_with_what_to_report(
     def fail(*_: object) -> None:
         raise ZeroDivisionError("float division\nby zero")
 
-    monkeypatch.setattr(assess_command, "run", fail)
+    monkeypatch.setattr(_assess, "run", fail)
     assert main(["assess", "my task.yaml"]) == 70
     out, err = capsys.readouterr()
     assert out == ""
@@ -431,12 +449,10 @@ def test_an_unforeseen_exception_is_70_with_what_to_report(
     assert capsys.readouterr().err.startswith("Traceback (most recent call last):")
 
 
-@pytest.mark.parametrize(
-    "command", ["assess", "ik", "paper", "replay", "compare", "optimise", "profiles", "size", "check"]
-)
+@pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_takes_debug(command: str) -> None:
     needed = ["--robot", "puma560", "plan.yaml"] if command == "check" else []
-    assert parse([command, *needed, "--debug"]).debug
+    assert parse([command, *needed, "--debug"], COMMANDS).debug
 
 
 def test_debug_changes_nothing_of_bad_input(capsys: pytest.CaptureFixture[str]) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import puma_septic as ps
 from helpers.places import PANDA, UR5
 from helpers.report_text import report_text
-from puma_septic.cli.texts import assessed_text
+from puma_septic.cli._task_text import assessed_text
 from puma_septic.comparison import Comparison
 from puma_septic.report import assess_document, metrics_csv, to_json
 from puma_septic.report.page import tasks_html

@@ -1,4 +1,4 @@
-"""``puma-septic ik``."""
+"""What ``puma-septic ik`` does: the branches of one or several poses, as a table or a document."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from puma_septic._version import __version__
-from puma_septic.cli.arguments import Answer
-from puma_septic.cli.tasks import asked_robot, asked_task
-from puma_septic.cli.texts import WIDTH, wrapped
+from puma_septic.cli._parser import Answer
+from puma_septic.cli._task_arguments import asked_robot, asked_task
+from puma_septic.cli._task_text import WIDTH, wrapped
 from puma_septic.document import SCHEMAS
 from puma_septic.errors import InputError
 from puma_septic.kinematics import IkSolutions, is_puma, lowest_points, rtb_names
@@ -20,10 +20,10 @@ from puma_septic.robot import Robot
 from puma_septic.task import Posed, Task, make_task, solve_points
 from puma_septic.views.tables import Cell, text_table
 
-__all__ = ["run"]
+__all__ = ["answer"]
 
 
-def run(arguments: Namespace) -> Answer:
+def answer(arguments: Namespace) -> Answer:
     """List the branches for one pose, or for each pose of a task."""
     task = _asked(arguments)
     robot, waypoints = solve_points(task)

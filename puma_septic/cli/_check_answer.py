@@ -1,4 +1,4 @@
-"""``puma-septic check``: may this planned trajectory go to the robot."""
+"""What ``puma-septic check`` does: planned trajectories of files, whether they may go to the robot."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import numpy as np
 
 import puma_septic
 from puma_septic._version import __version__
-from puma_septic.cli.arguments import Answer
-from puma_septic.cli.tasks import asked_robot
-from puma_septic.cli.texts import wrapped
+from puma_septic.cli._parser import Answer
+from puma_septic.cli._task_arguments import asked_robot
+from puma_septic.cli._task_text import wrapped
 from puma_septic.document import SCHEMAS, to_json
 from puma_septic.errors import InputError, NoSolution, PumaSepticError
 from puma_septic.files import sha256_of
@@ -43,7 +43,7 @@ from puma_septic.ros import (
 )
 from puma_septic.validation import checked_number
 
-__all__ = ["run"]
+__all__ = ["answer"]
 
 EXIT_CODES: Final = {"ok": 0, "violated": 1, "invalid": 2, "undecided": 3}
 _JOINT_STATE: Final = "sensor_msgs/msg/JointState"
@@ -61,7 +61,7 @@ class _Checked:
     planned: PlannedTrajectory | None = None
 
 
-def run(arguments: Namespace) -> Answer:
+def answer(arguments: Namespace) -> Answer:
     """Check every trajectory of every file; the exit code is that of the worst."""
     allow = tuple(sorted(checked_allowances(arguments.allow, tuple(QUANTITIES))))
     tolerance = START_TOLERANCE if arguments.start_tolerance is None else arguments.start_tolerance

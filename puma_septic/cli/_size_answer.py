@@ -1,16 +1,15 @@
-"""``puma-septic size``."""
+"""What ``puma-septic size`` does: the cycle, the drives or the catalogue, and the folder."""
 
 from __future__ import annotations
 
 from argparse import Namespace
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import Any, Final, final
 
-from puma_septic.cli.arguments import Answer
-from puma_septic.cli.tasks import asked_task
-from puma_septic.cli.texts import wrapped
+from puma_septic.cli._parser import Answer
+from puma_septic.cli._task_arguments import asked_task
+from puma_septic.cli._task_text import wrapped
 from puma_septic.cycle import Cycle, Dwell, with_return
 from puma_septic.drives import (
     BUILT_IN,
@@ -19,20 +18,20 @@ from puma_septic.drives import (
     load_catalogue,
 )
 from puma_septic.errors import InputError
-from puma_septic.motion import compute_motion
+from puma_septic.motion import Motion, compute_motion
 from puma_septic.report import new_folder, to_json
 from puma_septic.report.sheets import checks_csv, load_profile_csv, pairs_csv
 from puma_septic.robot import load_drivetrains, own_drivetrains
 from puma_septic.sizing import Selection, Sizing, size
 from puma_septic.task import ResolvedTask, resolve_task
 
-__all__ = ["run"]
+__all__ = ["answer"]
 
 # Pairs that are shown per joint unless --keep tells another number.
 _KEPT: Final = 3
 
 
-def run(arguments: Namespace) -> Answer:
+def answer(arguments: Namespace) -> Answer:
     """Size the arm's own drives, or choose from a catalogue."""
     asked = _asked(arguments)
     cycle = asked.cycle
@@ -57,7 +56,7 @@ class _Asked:
 def _asked(arguments: Namespace) -> _Asked:
     """The cycle of a task, or of a recorded motion as it is, with the asked rest."""
     if arguments.csv is None:
-        resolved = resolve_task(asked_task(arguments, "paper"))
+        resolved = resolve_task(asked_task(arguments, "paper", profiles=arguments.profile))
         return _Asked(
             name=resolved.task.name,
             cycle=_cycle(resolved, one_way=arguments.one_way),
@@ -66,17 +65,18 @@ def _asked(arguments: Namespace) -> _Asked:
         )
     if arguments.profile is not None:
         raise InputError("--profile does not go with --csv: the file has the points")
-    log = import_module("puma_septic.cli.log")  # SciPy, which fits it, takes a while to load
-    what = log.recorded(arguments)
+    from puma_septic.cli._recorded import UNDECIDED, recorded, told  # SciPy, which fits it, takes a while to load
+
+    what = recorded(arguments)
     doubts = list(what.motion.trajectory.doubts)
     undecided = "".join(f"\nUndecided: {doubt}" for doubt in doubts)
     rest = (Dwell(duration=arguments.dwell),) if arguments.dwell else ()
     return _Asked(
         name=what.path,
         cycle=Cycle(steps=(what.motion, *rest)),
-        head=f"{log.told(what)}{undecided}\nThe cycle is the recorded motion alone",
+        head=f"{told(what)}{undecided}\nThe cycle is the recorded motion alone",
         document={"file": what.path, "undecided": doubts},
-        code=log.UNDECIDED if doubts else 0,
+        code=UNDECIDED if doubts else 0,
     )
 
 
@@ -137,11 +137,11 @@ def _text(arguments: Namespace, asked: _Asked, found: Sizing | Selection) -> str
     return "\n\n".join([wrapped(head), wrapped(str(found)), *_more(found)])
 
 
-def _step(step: object) -> str:
+def _step(step: Motion | Dwell) -> str:
     if isinstance(step, Dwell):
         return f"rest {step.duration:g} s"
-    payload = step.robot.payload  # type: ignore[attr-defined]
-    return f"move {step.trajectory.duration:g} s with {0 if payload is None else payload.mass:g} kg"  # type: ignore[attr-defined]
+    payload = step.robot.payload
+    return f"move {step.trajectory.duration:g} s with {0 if payload is None else payload.mass:g} kg"
 
 
 def _more(found: Sizing | Selection) -> list[str]:
@@ -165,8 +165,12 @@ def _write_folder(path: str, found: Sizing | Selection, title: str) -> None:
             profile = load_profile_csv(sizing.motor_load_profile(name))
             (folder / f"load-profile-{Path(name).name}.csv").write_text(profile, encoding="utf-8")
         # Templates, the replay and matplotlib take longer to load than everything else takes to compute.
-        html = import_module("puma_septic.report.page").report_html(sizing, title=title)
-        (folder / "report.html").write_text(html, encoding="utf-8")
-        pictures = import_module("puma_septic.pictures.sizing").sizing_pictures(sizing)
-        import_module("puma_septic.report.svg").write_svg(folder, pictures)
-        import_module("puma_septic.report.figures").write_png(folder, pictures)
+        from puma_septic.pictures.sizing import sizing_pictures
+        from puma_septic.report.figures import write_png
+        from puma_septic.report.page import report_html
+        from puma_septic.report.svg import write_svg
+
+        (folder / "report.html").write_text(report_html(sizing, title=title), encoding="utf-8")
+        pictures = sizing_pictures(sizing)
+        write_svg(folder, pictures)
+        write_png(folder, pictures)

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from argparse import Namespace
 from dataclasses import dataclass, replace
-from importlib import import_module
 from typing import Any, Final, final
 
 import numpy as np
 
 from puma_septic._version import __version__
 from puma_septic.assessment import Assessment, assess
-from puma_septic.cli.arguments import Answer
-from puma_septic.cli.tasks import asked_robot
-from puma_septic.cli.texts import margin_text, wrapped
+from puma_septic.cli._parser import Answer
+from puma_septic.cli._task_arguments import asked_robot
+from puma_septic.cli._task_text import margin_text, wrapped
 from puma_septic.document import SCHEMAS
 from puma_septic.errors import InputError
 from puma_septic.logs import JointLog, LogFit, fit_log, fit_residual, read_log
@@ -88,8 +87,6 @@ def run_log(arguments: Namespace) -> Answer:
     """Assess the motion of a CSV file on the asked robot, telling what its fit leaves over."""
     if arguments.profile is not None:
         raise InputError("--profile does not go with --csv: the file has the points, and a spline goes through them")
-    if arguments.no_png and arguments.out is None:
-        raise InputError("--no-png goes with --out: name the folder to write into")
     what = recorded(arguments)
     assessment = assess(what.motion, dwell=arguments.dwell or 0.0)
     measured = _measured(what)
@@ -233,15 +230,21 @@ def _document(what: Recorded, assessment: Assessment, measured: list[MeasuredTor
 
 
 def _write_folder(arguments: Namespace, assessment: Assessment, document: str, notes: list[str]) -> None:
-    page = import_module("puma_septic.report.page")
-    pictures = import_module("puma_septic.pictures").assessment_pictures([assessment], profile_labels([assessment]))
+    # Templates and the replay's libraries take longer to load than a motion to assess; matplotlib far longer.
+    from puma_septic.pictures import assessment_pictures
+    from puma_septic.report.page import report_html
+    from puma_septic.report.svg import write_svg
+
+    pictures = assessment_pictures([assessment], profile_labels([assessment]))
     with new_folder(arguments.out) as folder:
         (folder / "report.html").write_text(
-            page.report_html(assessment, title=str(arguments.csv), notes=notes), encoding="utf-8"
+            report_html(assessment, title=str(arguments.csv), notes=notes), encoding="utf-8"
         )
         (folder / "assessment.json").write_text(document, encoding="utf-8")
         (folder / "metrics.csv").write_text(named_metrics_csv([(str(arguments.csv), [assessment])]), encoding="utf-8")
         (folder / "samples.csv").write_text(samples_csv(assessment), encoding="utf-8")
-        import_module("puma_septic.report.svg").write_svg(folder, pictures)
+        write_svg(folder, pictures)
         if not arguments.no_png:
-            import_module("puma_septic.report.figures").write_png(folder, pictures)
+            from puma_septic.report.figures import write_png
+
+            write_png(folder, pictures)

@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
 from dataclasses import asdict
 from textwrap import wrap
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
-from puma_septic.cli.arguments import Answer
-from puma_septic.document import SCHEMAS, plain
-from puma_septic.profiles import ProfileInfo, available, normalised_table
-from puma_septic.report import to_json
-from puma_septic.views.tables import Cell, text_table
+from puma_septic.cli._output_arguments import add_format
+from puma_septic.cli._parser import Answer
 
-__all__ = ["run"]
+if TYPE_CHECKING:
+    from puma_septic.profiles import ProfileInfo
+    from puma_septic.views.tables import Cell
+
+__all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]
+
+SUMMARY = "list the available profiles"
+
+DESCRIPTION = """\
+List the profiles: what each needs, how smooth it is, what it does at the vias."""
+
+EXAMPLES = """profiles
+profiles --normalised"""
 
 # Jerk at the ends below this is rounding.
 _ZERO: Final = 1e-9
@@ -28,8 +37,20 @@ _COEFFICIENTS: Final = (
 )
 
 
+def add_arguments(parser: ArgumentParser) -> None:
+    """Only the form."""
+    parser.add_argument(
+        "--normalised", action="store_true", help="also the coefficients of one unit of movement in one unit of time"
+    )
+    add_format(parser, "text", "json")
+
+
 def run(arguments: Namespace) -> Answer:
     """The catalogue, and the normalised table where asked for."""
+    from puma_septic.document import SCHEMAS, plain, to_json
+    from puma_septic.profiles import available, normalised_table
+    from puma_septic.views.tables import text_table
+
     infos = available()
     if arguments.format == "json":
         document: dict[str, Any] = {"schema": SCHEMAS["profiles"], "profiles": [asdict(info) for info in infos]}
@@ -48,6 +69,9 @@ def _cells(info: ProfileInfo) -> list[Cell]:
 
 
 def _normalised() -> list[str]:
+    from puma_septic.profiles import normalised_table
+    from puma_septic.views.tables import text_table
+
     headers = ("law", "class", "C_v", "C_a", "C_j", "rms v", "rms a", "rms j", "v a", "end")
     rows: list[list[Cell]] = [
         [

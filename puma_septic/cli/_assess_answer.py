@@ -1,35 +1,28 @@
-"""``puma-septic assess``."""
+"""What ``puma-septic assess`` does with tasks; recorded motions stand in `_recorded`."""
 
 from __future__ import annotations
 
 import re
 from argparse import Namespace
 from collections.abc import Sequence
-from importlib import import_module
 from pathlib import Path
 
 from puma_septic.assessment import Assessment
-from puma_septic.cli.arguments import Answer
-from puma_septic.cli.tasks import asked_task
-from puma_septic.cli.texts import assessed_text, turned_text
-from puma_septic.errors import InputError
+from puma_septic.cli._parser import Answer
+from puma_septic.cli._task_arguments import asked_task
+from puma_septic.cli._task_text import assessed_text, turned_text
 from puma_septic.pictures import assessment_pictures
 from puma_septic.report import assess_document, metrics_csv, new_folder, profile_labels, samples_csv, to_json
 from puma_septic.task import ResolvedTask, assess_task, resolve_task
 
-__all__ = ["run"]
+__all__ = ["answer"]
 
 PAPER, TURNED = "paper", "paper-turned"
 Assessed = tuple[ResolvedTask, tuple[Assessment, ...]]
 
 
-def run(arguments: Namespace) -> Answer:
-    """Assess the asked task or log; without one, the paper's task and then the one with the tool turned."""
-    if arguments.no_png and arguments.out is None:
-        raise InputError("--no-png goes with --out: name the folder to write into")
-    if arguments.csv is not None:  # SciPy, which fits it, takes longer to load than a task to assess
-        answer: Answer = import_module("puma_septic.cli.log").run_log(arguments)
-        return answer
+def answer(arguments: Namespace) -> Answer:
+    """Assess the asked task; without one, the paper's task and then the one with the tool turned."""
     asked = [_assessed(arguments, PAPER)]
     shown = asked if arguments.task is not None else [*asked, _assessed(arguments, TURNED)]
     if arguments.format == "json":
@@ -46,17 +39,18 @@ def run(arguments: Namespace) -> Answer:
 
 
 def _assessed(arguments: Namespace, default: str) -> Assessed:
-    resolved = resolve_task(asked_task(arguments, default))
+    resolved = resolve_task(asked_task(arguments, default, profiles=arguments.profile))
     return resolved, assess_task(resolved)
 
 
 def _write_folder(path: str, shown: Sequence[Assessed], *, png: bool) -> None:
     """Report, document and table of all, and for each task samples and figures in a folder of its own."""
     # Templates and the replay's libraries take longer to load than an assessment takes; matplotlib far longer.
-    page = import_module("puma_septic.report.page")
-    svg = import_module("puma_septic.report.svg")
+    from puma_septic.report.page import tasks_html
+    from puma_septic.report.svg import write_svg
+
     with new_folder(path) as folder:
-        (folder / "report.html").write_text(page.tasks_html(shown), encoding="utf-8")
+        (folder / "report.html").write_text(tasks_html(shown), encoding="utf-8")
         (folder / "assessment.json").write_text(to_json(assess_document(shown)), encoding="utf-8")
         (folder / "metrics.csv").write_text(metrics_csv(shown), encoding="utf-8")
         for resolved, assessments in shown:
@@ -66,9 +60,11 @@ def _write_folder(path: str, shown: Sequence[Assessed], *, png: bool) -> None:
             for label, assessment in zip(labels, assessments, strict=True):
                 (inner / f"samples-{label}.csv").write_text(samples_csv(assessment), encoding="utf-8")
             pictures = assessment_pictures(assessments, labels)
-            svg.write_svg(inner, pictures)
+            write_svg(inner, pictures)
             if png:
-                import_module("puma_septic.report.figures").write_png(inner, pictures)
+                from puma_septic.report.figures import write_png
+
+                write_png(inner, pictures)
 
 
 def _file_name(name: str) -> str:

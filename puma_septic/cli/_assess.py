@@ -1,0 +1,60 @@
+"""``puma-septic assess``."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+
+from puma_septic.cli._numbers import share
+from puma_septic.cli._output_arguments import add_format, add_out
+from puma_septic.cli._parser import Answer
+from puma_septic.cli._recording_arguments import add_recording
+from puma_septic.cli._task_arguments import add_dwell, add_payload, add_profile, add_task
+
+__all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]
+
+SUMMARY = "torque, jerk and limits of a task's profiles"
+
+DESCRIPTION = """\
+Assess the profiles of a task: what each joint does and needs, checked against its limits.
+
+Without TASK: the paper's pick-and-place with septic, LSPB and three-segment quintic side by side, why no
+branch of the inverse kinematics keeps the limits, and then the same points with the tool turned, where
+everything fits."""
+
+EXAMPLES = """assess paper-turned --profile septic --payload 1
+assess task.yaml --margin 0.1 --out results
+assess --csv log.csv --units deg --smoothing auto"""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """The task, its load, the margin, the form."""
+    add_task(parser)
+    add_profile(parser, "only this profile, with the task's options if it has some (repeatable)")
+    add_payload(parser)
+    add_dwell(parser)
+    parser.add_argument(
+        "--margin",
+        type=share,
+        default=0.0,
+        metavar="SHARE",
+        help="required safety margin on each velocity, acceleration, jerk and effort limit, 0 to 1",
+    )
+    add_format(parser, "text", "json", "csv")
+    add_out(parser, "report.html, JSON, CSV and figures")
+    parser.add_argument("--no-png", action="store_true", help="with --out: no PNG figures, which take seconds")
+    add_recording(parser)
+
+
+def run(arguments: Namespace) -> Answer:
+    """Assess the asked task or recorded motion."""
+    from puma_septic.errors import InputError
+
+    if arguments.no_png and arguments.out is None:
+        raise InputError("--no-png goes with --out: name the folder to write into")
+    if arguments.csv is not None:
+        from puma_septic.cli._recorded import run_log
+
+        return run_log(arguments)
+    from puma_septic.cli._assess_answer import answer
+
+    return answer(arguments)

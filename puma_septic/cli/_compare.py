@@ -1,0 +1,130 @@
+"""``puma-septic compare``."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from typing import TYPE_CHECKING
+
+from puma_septic.cli._output_arguments import add_format, add_out
+from puma_septic.cli._parser import Answer
+from puma_septic.cli._recording_arguments import add_recording
+from puma_septic.cli._task_arguments import add_dwell, add_payload, add_profile, add_task, asked_task
+
+if TYPE_CHECKING:
+    from puma_septic.comparison import Comparison
+    from puma_septic.robot import Robot
+    from puma_septic.task import ResolvedTask
+    from puma_septic.trajectory import Trajectory
+
+__all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]
+
+SUMMARY = "all suitable profiles on one task, measured exactly"
+
+DESCRIPTION = """\
+Compare all suitable profiles on the points and times of a task (the paper's by default).
+
+Each is assessed exactly; Pareto-optimal profiles in the named objectives are marked. Exit code: 0 compared,
+2 bad input, 3 a recorded motion's noise or units leave its verdict open."""
+
+EXAMPLES = """compare paper-turned
+compare task.yaml --profile quintic --profile septic --objective rms_torque --out comparison"""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """The task, its load, which profiles, by which objectives, in which form."""
+    add_task(parser)
+    add_profile(parser, "only this profile (repeatable)")
+    add_payload(parser)
+    add_dwell(parser)
+    parser.add_argument(
+        "--objective",
+        action="append",
+        metavar="NAME",
+        help="mark the Pareto-optimal profiles in these objectives (repeatable; default: integral_of_squared_jerk,"
+        " overshoot, via_miss)",
+    )
+    add_format(parser, "text", "json", "csv")
+    add_out(parser, "report.html, JSON, CSV and a figure")
+    add_recording(parser)
+
+
+def run(arguments: Namespace) -> Answer:
+    """All suitable profiles on one task; the answer is a comparison, not a verdict."""
+    from puma_septic.report import to_json
+    from puma_septic.task import resolve_task
+
+    if arguments.csv is not None:
+        from puma_septic.cli._recorded import UNDECIDED, recorded, told
+
+        what = recorded(arguments)
+        comparison, title, head = _beside(what.motion.trajectory, what.robot, arguments), what.path, told(what)
+        code = UNDECIDED if what.motion.trajectory.doubts else 0
+    else:
+        resolved = resolve_task(asked_task(arguments, "paper"))
+        comparison, title, code = _compared(resolved, arguments), resolved.task.name, 0
+        head = f"Task {resolved.task.name!r}, robot {resolved.robot.name!r}"
+    if arguments.out is not None:
+        _write_folder(arguments.out, comparison, f"{title}: profiles compared")
+    if arguments.format == "json":
+        return Answer(to_json(comparison.to_dict()), code)
+    if arguments.format == "csv":
+        return Answer(comparison.to_csv(), code)
+    return Answer(f"{head}\n\n{comparison}", code)
+
+
+def _write_folder(path: str, comparison: Comparison, title: str) -> None:
+    """Report, document, table and figure."""
+    # Templates and matplotlib take longer to load than everything else takes to compute.
+    from puma_septic.pictures.comparison import comparison_picture
+    from puma_septic.report import new_folder, to_json
+    from puma_septic.report.figures import write_png
+    from puma_septic.report.page import report_html
+    from puma_septic.report.svg import write_svg
+
+    with new_folder(path) as folder:
+        (folder / "comparison.json").write_text(to_json(comparison.to_dict()), encoding="utf-8")
+        (folder / "comparison.csv").write_text(comparison.to_csv(), encoding="utf-8")
+        (folder / "report.html").write_text(report_html(comparison, title=title), encoding="utf-8")
+        pictures = [comparison_picture(comparison)]
+        write_svg(folder, pictures)
+        write_png(folder, pictures)
+
+
+def _beside(recorded: Trajectory, robot: Robot, arguments: Namespace) -> Comparison:
+    """A recorded motion beside the profiles through the points at which it stops."""
+    from puma_septic.comparison import compare
+    from puma_septic.logs import stops
+
+    times, points = stops(recorded)
+    objectives = {"objectives": arguments.objective} if arguments.objective else {}
+    return compare(
+        robot,
+        points,
+        times,
+        profiles=arguments.profile,
+        beside={"recorded": recorded},
+        dwell=arguments.dwell or 0.0,
+        **objectives,
+    )
+
+
+def _compared(resolved: ResolvedTask, arguments: Namespace) -> Comparison:
+    """With the task's options for the profiles that it names."""
+    from puma_septic.comparison import compare
+
+    wanted = arguments.profile
+    options = {
+        choice.name: choice.options
+        for choice in resolved.task.profiles
+        if choice.options and (wanted is None or choice.name in wanted)
+    }
+    objectives = {"objectives": arguments.objective} if arguments.objective else {}
+    return compare(
+        resolved.robot,
+        resolved.points,
+        resolved.times,
+        profiles=wanted,
+        options=options,
+        dwell=resolved.task.dwell,
+        **objectives,
+    )

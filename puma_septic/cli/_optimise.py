@@ -1,0 +1,181 @@
+"""``puma-septic optimise``."""
+
+from __future__ import annotations
+
+import sys
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from puma_septic.cli._output_arguments import add_format, add_out
+from puma_septic.cli._parser import Answer
+from puma_septic.cli._task_arguments import add_dwell, add_payload, add_profile, add_task, asked_task
+
+if TYPE_CHECKING:
+    from puma_septic.optimisation import LeastTime, OptimisedTimes, ParetoFront
+    from puma_septic.task import ResolvedTask, Task
+    from puma_septic.trajectory import Trajectory
+    from puma_septic.validation import Array
+
+    Result = OptimisedTimes | ParetoFront | LeastTime
+
+__all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]
+
+SUMMARY = "via times for one or more objectives, or the least time"
+
+DESCRIPTION = """\
+Choose the via times of a task (the paper's by default) for its total time.
+
+Minimises one objective, or computes the Pareto front of two or three. The objective 'duration' chooses the total time
+as well: the least within all known limits of the robot, or within those named by --respect. What is found is assessed
+in full, and violated limits are named. Exit code: 0 every motion shown keeps all known limits, 1 one of them
+violates a limit, 2 bad input or no motion keeps the limits to respect."""
+
+EXAMPLES = """optimise task.yaml --objective duration
+optimise task.yaml --objective rms_torque --objective integral_of_squared_jerk --size 20"""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """The task, its load, the objectives, the constraints and the effort of the search."""
+    add_task(parser)
+    add_profile(parser, "use this profile instead of the task's first")
+    add_payload(parser)
+    add_dwell(parser)
+    parser.add_argument(
+        "--objective",
+        action="append",
+        metavar="NAME",
+        help="objective to minimise (default: integral_of_squared_jerk); two or three for a Pareto front, 'duration'"
+        " for the least time",
+    )
+    parser.add_argument(
+        "--free",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="optimise these parameters of the profile too: velocities, accelerations (at the vias), free_knots"
+        " (repeatable)",
+    )
+    parser.add_argument(
+        "--max-overshoot",
+        type=float,
+        metavar="RAD",
+        help="maximum excess of any joint beyond the points (m if prismatic)",
+    )
+    parser.add_argument(
+        "--respect",
+        action="append",
+        default=[],
+        metavar="QUANTITY",
+        help="robot limits that the motion must keep: position, velocity, acceleration, jerk, effort (repeatable;"
+        " default: none, for 'duration' all that are known)",
+    )
+    parser.add_argument("--restarts", type=int, default=4, metavar="N", help="random restarts (default: 4)")
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="random seed (default: 0)")
+    parser.add_argument("--size", type=int, default=12, metavar="N", help="number of Pareto-front points (default: 12)")
+    add_format(parser, "text", "json")
+    add_out(parser, "JSON and figures")
+
+
+def run(arguments: Namespace) -> Answer:
+    """The via times of one profile, by one, two or three objectives, or for the least time."""
+    from puma_septic.errors import InputError
+    from puma_septic.report import to_json
+    from puma_septic.task import resolve_task
+
+    if arguments.profile and len(arguments.profile) > 1:
+        raise InputError(f"--profile: one profile is optimised at a time, got {', '.join(arguments.profile)}")
+    task = asked_task(arguments, "paper", profiles=arguments.profile)
+    resolved = resolve_task(task)
+    with _progress() as progress:
+        result = _optimised(resolved, arguments, progress)
+    document = to_json(result.to_dict())
+    if arguments.out is not None:
+        _write_folder(arguments.out, result, document)
+    text = document if arguments.format == "json" else f"Task {task.name!r}\n{result}"
+    return Answer(text, 0 if _is_feasible(result) else 1)
+
+
+def _write_folder(path: str, result: Result, document: str) -> None:
+    """Document and figure."""
+    # matplotlib takes longer to load than most optimisations take.
+    from puma_septic.pictures.front import optimisation_picture
+    from puma_septic.report import new_folder
+    from puma_septic.report.figures import write_png
+    from puma_septic.report.svg import write_svg
+
+    with new_folder(path) as folder:
+        (folder / "optimisation.json").write_text(document, encoding="utf-8")
+        pictures = [optimisation_picture(result)]
+        write_svg(folder, pictures)
+        write_png(folder, pictures)
+
+
+def _is_feasible(result: Result) -> bool:
+    """Whether all motions found keep all known limits."""
+    from puma_septic.optimisation import LeastTime, ParetoFront
+
+    if isinstance(result, LeastTime):
+        return result.is_feasible
+    verdicts = result.verdicts if isinstance(result, ParetoFront) else (result.verdict,)
+    return all(verdict is None or verdict.is_feasible for verdict in verdicts)
+
+
+def _optimised(resolved: ResolvedTask, arguments: Namespace, progress: Any) -> Result:
+    from puma_septic.optimisation import least_time, optimise_via_times, pareto_front
+
+    objectives = arguments.objective or ["integral_of_squared_jerk"]
+    make = _make(resolved.task)
+    common = {
+        "robot": resolved.robot,
+        "dwell": resolved.task.dwell,
+        "max_overshoot": arguments.max_overshoot,
+        "free": arguments.free,
+        "seed": arguments.seed,
+        "progress": progress,
+    }
+    if objectives == ["duration"]:
+        keep = arguments.respect or None
+        return least_time(make, resolved.points, resolved.times, keep=keep, restarts=arguments.restarts, **common)
+    common |= {"keep": arguments.respect}
+    if len(objectives) > 1:
+        return pareto_front(make, resolved.points, resolved.times, objectives=objectives, size=arguments.size, **common)
+    return optimise_via_times(
+        make, resolved.points, resolved.times, objective=objectives[0], restarts=arguments.restarts, **common
+    )
+
+
+def _make(task: Task) -> Any:
+    """The task's first profile as a function of points and times; without options the function itself."""
+    from puma_septic import profiles as families
+    from puma_septic.errors import InputError
+
+    choice = task.profiles[0]
+    family = families.family(choice.name)
+    if not family.takes_times(choice.options):
+        raise InputError(f"profile {choice.name!r} finds its own times; there are no via times to choose")
+    if not choice.options and "durations" not in family.options:
+        return family.function
+
+    def make(points: Array, times: Array, **free: Array) -> Trajectory:
+        return families.make(choice.name, points, times, options=choice.options | free)
+
+    return make
+
+
+@contextmanager
+def _progress() -> Iterator[Any]:
+    """A bar on stderr, where that is a terminal."""
+    from tqdm import tqdm
+
+    bar = tqdm(file=sys.stderr, disable=None, leave=False, unit="search")
+
+    def progress(done: int, total: int) -> None:
+        bar.total = total
+        bar.update(done - bar.n)
+
+    try:
+        yield progress
+    finally:
+        bar.close()

@@ -36,7 +36,7 @@ SECTIONS = [
 
 def test_there_is_a_section_for_each_thing_that_grows() -> None:
     titles = " ".join(section.title for section in SECTIONS)
-    for thing in ("profile", "limit", "check", "picture"):
+    for thing in ("profile", "limit", "check", "picture", "command"):
         assert thing in titles
 
 

@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import puma_septic as ps
-from puma_septic.cli.texts import broken_text
+from puma_septic.cli._task_text import broken_text
 from puma_septic.kinematics import inverse_kinematics
 from puma_septic.report.cases import reason
 from puma_septic.task import ResolvedTask, assess_task, load_task, make_task, parse_task, resolve_task, task_names

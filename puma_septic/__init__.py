@@ -1,4 +1,4 @@
-"""Joint trajectories of robot arms: the torque they need, held against what the motors can do.
+"""Joint trajectories of robot arms: the torque they need, checked against what the motors can do.
 
 The public names are loaded when they are first used, so that importing the package and
 ``puma-septic --help`` answer at once.

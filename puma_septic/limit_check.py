@@ -1,4 +1,4 @@
-"""A demand held against a limit, and the one tolerance of every verdict."""
+"""A demand checked against a limit, and the one tolerance of every verdict."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Kind = Literal["joint limit", "physics", "vendor procedure", "rule of thumb"]
 @final
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class LimitCheck:
-    """One demand of one joint or its drive train held against one limit.
+    """One demand of one joint or its drive train checked against one limit.
 
     Attributes
     ----------

@@ -60,7 +60,7 @@ class Candidate:
 
     @cached_property
     def assessment(self) -> Assessment:
-        """The motion held against its limits."""
+        """The motion checked against its limits."""
         return assess(self.motion, dwell=self.dwell)
 
 
@@ -267,5 +267,5 @@ _ALL: Final = (
         needs_robot=True,
     ),
 )
-# Units are those of revolute joints; a sliding joint counts in m and N.
+# Units are those of revolute joints; a prismatic joint counts in m and N.
 OBJECTIVES: Final = MappingProxyType({objective.name: objective for objective in _ALL})

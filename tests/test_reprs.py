@@ -55,7 +55,7 @@ def move() -> ps.Trajectory:
 def test_robot_shows_joints_limits_and_drives(puma: ps.Robot) -> None:
     """Joint 2 of Corke's PUMA: gear ratio 107.815, 97 N m, 1.51 rad/s; its axis stands 26.45 inches above the base."""
     place, limits, drive = rows_of(puma._repr_html_(), "joint2")
-    assert place == ["joint2", "turns", "0, 0, 0.6718", "0, -1, 0"]
+    assert place == ["joint2", "revolute", "0, 0, 0.6718", "0, -1, 0"]
     assert limits == ["joint2", "-0.785398 to 3.92699", "1.51", "unknown", "unknown", "97"]
     assert drive[:3] == ["joint2", "107.815", "0.0002"]
 
@@ -83,8 +83,8 @@ def test_a_robot_of_which_little_is_known(tmp_path: Path) -> None:
 def test_a_sliding_and_a_continuous_joint(tmp_path: Path) -> None:
     text = ARM.replace('name="shoulder" type="revolute"', 'name="shoulder" type="prismatic"')
     robot = load(tmp_path, text)
-    assert rows_of(robot._repr_html_(), "shoulder")[0][1:] == ["slides", "0, 0, 0.5", "0, 1, 0"]
-    assert "sliding joints: m and N" in robot._repr_html_()
+    assert rows_of(robot._repr_html_(), "shoulder")[0][1:] == ["prismatic", "0, 0, 0.5", "0, 1, 0"]
+    assert "prismatic joints: m and N" in robot._repr_html_()
     turning = load(tmp_path, ARM.replace('name="elbow" type="revolute"', 'name="elbow" type="continuous"'))
     assert rows_of(turning._repr_html_(), "elbow")[1][1] == "unbounded"
 
@@ -104,8 +104,8 @@ def test_assessment_shows_verdict_peaks_and_margins(puma: ps.Robot, move: ps.Tra
 
 def test_assessment_lists_what_is_broken_and_what_is_not_known(puma: ps.Robot, move: ps.Trajectory) -> None:
     html = ps.assess(puma.with_limits(velocity=0.1), move)._repr_html_()
-    assert "infeasible, 6 limits broken" in html
-    assert "Limits broken: joint1 velocity" in html
+    assert "infeasible, 6 limits violated" in html
+    assert "Violated limits: joint1 velocity" in html
     assert "Not assessed: acceleration limit: unknown for all joints" in html
 
 

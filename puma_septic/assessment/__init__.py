@@ -1,4 +1,4 @@
-"""A motion held against its limits."""
+"""A motion checked against its limits."""
 
 from puma_septic.assessment._assessment import Assessment, assess
 from puma_septic.assessment._joints import impulses

@@ -44,7 +44,7 @@ _SINGULARITY = ("kind", "least_distance", "time", "crossings")
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Assessment:
-    """A motion held against the limits of its robot; made by `assess`.
+    """A motion checked against the limits of its robot; made by `assess`.
 
     Each array has the shape (n_joints,), in the order of ``motion.robot.joint_names``. Power, tool and checks are
     computed when first asked for and kept; the value itself never changes (the cache needs a ``__dict__``, hence no
@@ -141,7 +141,7 @@ class Assessment:
 
     @cached_property
     def checks(self) -> tuple[LimitCheck, ...]:
-        """Every known limit held against its demand, joint by joint, and every demand that no arm can meet."""
+        """Every known limit checked against its demand, joint by joint, and every demand that no arm can meet."""
         demands = {name: self.peak(name) for name in self.motion.robot.limits.quantities if name in MAGNITUDES}
         return limit_checks(self.motion.robot, self.position, demands)
 
@@ -194,24 +194,24 @@ class Assessment:
 
     @property
     def violations(self) -> tuple[LimitCheck, ...]:
-        """The limits that are broken, the worst first; infinite acceleration or torque breaks an unknown one too."""
+        """The violated limits, the worst first; infinite acceleration or torque violates an unknown one too."""
         return most_used_first(check for check in self.checks if check.is_violated)
 
     @property
     def worst(self) -> LimitCheck | None:
-        """The governing limit: the one used most, broken or not; None where no limit is known at all."""
+        """The governing limit: the one of highest utilisation, violated or not; None where no limit is known at all."""
         return next(iter(most_used_first(self.checks)), None)
 
     @property
     def verdict(self) -> str:
-        """One sentence: feasible or not, and the limit that governs; or why that cannot be decided."""
+        """One sentence: feasible or not, and the governing limit; or why that cannot be decided."""
         if self.undecided:
             return "undecided: " + "; ".join(self.undecided)
         return verdict(("feasible", "infeasible"), self.violations, self.worst)
 
     @property
     def is_feasible(self) -> bool:
-        """Whether no known limit is broken and no unbounded torque is needed (as a step in velocity would).
+        """Whether no known limit is violated and no unbounded torque is needed (as a step in velocity would).
 
         Never where the motion itself is in doubt; see `undecided`.
         """

@@ -1,4 +1,4 @@
-"""Demands held against the limits of a robot."""
+"""Demands checked against the limits of a robot."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["limit_checks", "unknown_values"]
 def limit_checks(robot: Robot, position: Extrema, demands: Mapping[str, tuple[Array, Array]]) -> tuple[LimitCheck, ...]:
     """Every demand whose limit is known or that no arm can meet, joint by joint.
 
-    `demands` maps a quantity to magnitudes and instants; a demand that is not known (NaN) is held against nothing.
+    `demands` maps a quantity to magnitudes and instants; a demand that is not known (NaN) is checked against nothing.
     """
     checks = []
     for j in range(robot.n_joints):

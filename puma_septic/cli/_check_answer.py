@@ -218,7 +218,7 @@ def _fix(arguments: Namespace, robot: Robot, results: Sequence[_Checked], allow:
 
 def _told(made: Fixed) -> str:
     if made.governing is None:
-        return "unchanged: no known limit is broken"
+        return "unchanged: no known limit is violated"
     return f"{made.factor:.9g} times as long, the least that holds; then {made.governing}"
 
 

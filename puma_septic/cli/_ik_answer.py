@@ -69,7 +69,7 @@ def _turned(arguments: Namespace) -> dict[str, list[float]]:
 
 
 def _text(task: Task, robot: Robot, posed: list[tuple[str, Posed]]) -> str:
-    head = f"Robot: {robot.name}, tool {robot.tool!r}, poses in {task.frame!r}; joint positions in rad (sliding: m)"
+    head = f"Robot: {robot.name}, tool {robot.tool!r}, poses in {task.frame!r}; joint positions in rad (prismatic: m)"
     return "\n\n".join([wrapped(head), *(f"{label}\n{_table(robot, point.solutions)}" for label, point in posed)])
 
 
@@ -79,7 +79,7 @@ def _table(robot: Robot, solutions: IkSolutions) -> str:
         for k, name in enumerate(solutions.configurations)
     ]
     singular = [
-        f"{name} stands at the singularity of: {', '.join(kinds)}"
+        f"{name} is singular ({', '.join(kinds)})"
         for name, kinds in zip(solutions.configurations, solutions.singular, strict=True)
         if kinds
     ]

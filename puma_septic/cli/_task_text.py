@@ -13,7 +13,7 @@ from puma_septic.task import Branch, ResolvedTask
 from puma_septic.views import profiles
 from puma_septic.views.checks import unmet_text
 
-__all__ = ["assessed_text", "broken_text", "margin_text", "turned_text", "wrapped"]
+__all__ = ["assessed_text", "branches_text", "margin_text", "turned_text", "wrapped"]
 
 WIDTH: Final = 100
 _COLUMNS: Final = re.compile(r"\S  +\S")
@@ -33,10 +33,10 @@ def wrapped(text: str) -> str:
 
 
 def assessed_text(resolved: ResolvedTask, assessments: Sequence[Assessment], margin: float = 0.0) -> str:
-    """The task, its profiles side by side, why its points break limits if they do, and each assessment."""
+    """The task, its profiles side by side, why its points violate limits if they do, and each assessment."""
     parts = [_head(resolved), side_by_side(assessments)]
     if resolved.has_poses and not resolved.branch.is_within_limits:
-        parts.append(broken_text(resolved))
+        parts.append(branches_text(resolved))
     if margin:
         parts.append(margin_text(assessments, margin))
     for label, assessment in zip(profile_labels(assessments), assessments, strict=True):
@@ -47,7 +47,7 @@ def assessed_text(resolved: ResolvedTask, assessments: Sequence[Assessment], mar
 def turned_text(resolved: ResolvedTask, assessments: Sequence[Assessment]) -> str:
     """A second task, shorter."""
     name = resolved.task.name
-    more = f"All about it: puma-septic assess {name}"
+    more = f"Full report: puma-septic assess {name}"
     return "\n\n".join([_rule(f"Compare: {name}"), _head(resolved), side_by_side(assessments), more])
 
 
@@ -61,8 +61,8 @@ def side_by_side(assessments: Sequence[Assessment]) -> str:
     return table + "\n" + wrapped(note)
 
 
-def broken_text(resolved: ResolvedTask) -> str:
-    """Why the points break position limits: what each branch of the inverse kinematics breaks."""
+def branches_text(resolved: ResolvedTask) -> str:
+    """Why the points violate position limits: what each branch of the inverse kinematics violates."""
     branches, always = resolved.branches, resolved.broken_in_all_branches
     fitting = [branch.configuration for branch in branches if branch.is_within_limits]
     if fitting:
@@ -70,15 +70,15 @@ def broken_text(resolved: ResolvedTask) -> str:
     elif always:
         pairs = " and ".join(f"{joint} at {_points(resolved, joint)}" for joint in dict.fromkeys(j for j, _ in always))
         reason = (
-            f"Why: all {len(branches)} branches of the inverse kinematics break the position limit of {pairs},"
+            f"Why: all {len(branches)} branches of the inverse kinematics violate the position limit of {pairs},"
             " so no profile through these poses can be feasible."
             if resolved.is_complete
-            else f"Why: every way found through these poses breaks the position limit of {pairs}; there may be others"
+            else f"Why: every way found through these poses violates the position limit of {pairs}; there may be others"
             f" ({resolved.extent})."
         )
     else:
         which = f"the {len(branches)} branches of the inverse kinematics" if resolved.is_complete else "the ways found"
-        reason = f"Why: each of {which} breaks a position limit."
+        reason = f"Why: each of {which} violates a position limit."
     width = 4 + max(len(branch.configuration) for branch in branches)
     lines = [wrapped(f"{reason} How far beyond its limits each joint is at most, in rad:")]
     for branch in branches:

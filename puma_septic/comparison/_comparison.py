@@ -1,4 +1,4 @@
-"""Comparison: one row per profile, and who is beaten by nobody."""
+"""Comparison: one row per profile, and which are Pareto-optimal."""
 
 from __future__ import annotations
 
@@ -180,7 +180,7 @@ class Comparison:
 
     @cached_property
     def pareto_optimal(self) -> tuple[str, ...]:
-        """Profiles that no other beats in all objectives."""
+        """Pareto-optimal profiles in the objectives."""
         values = np.array([list(row.objectives.values()) for row in self.profiles])
         return tuple(row.name for row, best in zip(self.profiles, non_dominated(values), strict=True) if best)
 

@@ -151,7 +151,7 @@ def _places(kind: str, parts: Sequence[Motor | Gearbox]) -> dict[str, int]:
         if not part.name:
             raise InputError(f"{kind} {k + 1} of the catalogue has no name")
         if isinstance(part, Gearbox) and np.isnan(part.ratio):
-            raise InputError(f"gearbox {part.name!r}: its ratio is not known, and nothing can be said without it")
+            raise InputError(f"gearbox {part.name!r}: its ratio is required")
         if part.name in places:
             raise InputError(f"{kind} {part.name!r} occurs twice in the catalogue")
         places[part.name] = k

@@ -156,7 +156,7 @@ def _motor(row: _Row, source: str) -> Motor:
 def _gearbox(row: _Row, source: str) -> Gearbox:
     fields = _fields(row, GEARBOX_FIELDS)
     if "ratio" not in fields:
-        raise InputError(f"{row.where}, column 'ratio': the cell is empty, and nothing can be said without it")
+        raise InputError(f"{row.where}, column 'ratio': the cell is empty; the ratio is required")
     if (direction := row.values.get("direction", 1.0)) not in (1.0, -1.0):
         raise InputError(f"{row.where}, column 'direction': {direction:g} is neither 1 nor -1")
     fields["ratio"] *= direction

@@ -201,7 +201,7 @@ class Gearbox:
     Parameters
     ----------
     ratio : float
-        Motor turns per joint turn (rad/m for a sliding joint), negative where the motor turns the other way; 1 for a
+        Motor turns per joint turn (rad/m for a prismatic joint), negative where the motor turns the other way; 1 for a
         direct drive; NaN: unknown. Motor quantities are counted in the joint's direction, so only its magnitude enters
         them.
     name : str

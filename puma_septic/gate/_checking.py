@@ -32,7 +32,7 @@ class TrajectoryCheck:
     Attributes
     ----------
     assessment : Assessment or None
-        The motion held against its limits; None where the trajectory cannot be read.
+        The motion checked against its limits; None where the trajectory cannot be read.
     margins : tuple of LimitCheck
         For each joint and quantity with a known limit the worst margin and its instant; of a demand that is unbounded
         at steps, that of its finite part.
@@ -59,7 +59,7 @@ class TrajectoryCheck:
 
     @property
     def worst(self) -> LimitCheck | None:
-        """The limit used most, None where none is known."""
+        """The governing limit, None where none is known."""
         return max(self.margins, key=lambda check: check.utilisation, default=None)
 
     def to_dict(self) -> dict[str, Any]:
@@ -90,10 +90,10 @@ def check_trajectory(
 ) -> TrajectoryCheck:
     """Whether a planned trajectory may go to the robot; closed where something is not known.
 
-    Position, velocity, acceleration, jerk and torque are held against the robot's limits at every instant, between the
-    points too (see `assess`); the first position against `start`; both ends against rest. A limit that the robot does
-    not have, and drive values that are missing, leave it "undecided". A step of velocity, as of straight lines, needs
-    an infinite acceleration and torque; allowed, what is finite between the steps is held against the limits.
+    Position, velocity, acceleration, jerk and torque are checked against the robot's limits at every instant, between
+    the points too (see `assess`); the first position against `start`; both ends against rest. A limit that the robot
+    does not have, and drive values that are missing, leave it "undecided". A step of velocity, as of straight lines,
+    needs an infinite acceleration and torque; allowed, what is finite between the steps is checked against the limits.
 
     Parameters
     ----------

@@ -105,12 +105,12 @@ def least_stretch(robot: Robot, trajectory: Trajectory) -> Stretch:
     slower = stretched(trajectory, 1 / u)
     result = assess(robot, slower)
     if result.violations:
-        raise _no_solution(result, result.violations[0], "is broken at any speed")
+        raise _no_solution(result, result.violations[0], "is violated at any speed")
     return Stretch(factor=1 / u, trajectory=slower, assessment=result, governing=_governing(result))
 
 
 def _governing(assessment: Assessment) -> LimitCheck | None:
-    """The limit used most, positions apart, which no stretch changes."""
+    """The governing limit, positions apart, which no stretch changes."""
     slowed = [check for check in assessment.checks if check.quantity != "position"]
     return max(slowed, key=lambda check: check.utilisation, default=None)
 
@@ -138,7 +138,7 @@ def _refuse_hopeless(assessment: Assessment) -> None:
         )
     for check in assessment.violations:
         if check.quantity == "position":
-            raise _no_solution(assessment, check, "is broken at any speed")
+            raise _no_solution(assessment, check, "is violated at any speed")
         if np.isinf(check.demand):
             raise _no_solution(assessment, check, "needs another motion: a step remains a step")
 
@@ -250,7 +250,7 @@ def _largest_allowed(rows: Array, limit: Array, u: float, motion: Motion) -> flo
         if not over.any():
             return u
         u = min(u * (1 - 1e-15), float(_lower_roots(a[over], b[over], c[over], u).min()))
-    raise _static(motion, "is broken by gravity and friction alone")
+    raise _static(motion, "is violated by gravity and friction alone")
 
 
 def _lower_roots(a: Array, b: Array, c: Array, u: float) -> Array:

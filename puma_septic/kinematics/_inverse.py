@@ -96,7 +96,7 @@ class IkSolutions:
                 ]
                 for name, q, fits, at, left in rows
             ],
-            caption=f"Inverse kinematics, {self.extent}: joint positions in rad (sliding joints: m)",
+            caption=f"Inverse kinematics, {self.extent}: joint positions in rad (prismatic joints: m)",
         )
 
 

@@ -35,7 +35,7 @@ def limit_doubts(motion: Motion, fit: LogFit, band: TorqueBand) -> tuple[str, ..
 
 
 def _within(robot: Robot, quantity: str, peaks: Array, limits: Array) -> list[str]:
-    """Joints whose limit is neither surely kept nor surely broken; an unknown limit is not in question."""
+    """Joints whose limit is neither surely kept nor surely violated; an unknown limit is not in question."""
     found = []
     for j, (least, greatest) in enumerate(peaks.T):
         if least <= limits[j] < greatest:

@@ -64,9 +64,9 @@ def claim_3(e: Evidence) -> Claim:
     """The robot's own joint limits."""
     limits, q = e.robot.limits.position, e.inputs.table_1
     beyond = np.maximum(limits[:, 0] - q, q - limits[:, 1])
-    # An unknown limit is NaN, and not broken.
-    broken = [(int(i), int(j)) for i, j in np.argwhere(beyond > 0)]
-    worst = {j: max((i for i, k in broken if k == j), key=lambda i: beyond[i, j]) for _, j in broken}
+    # An unknown limit is NaN, and not violated.
+    beyond_limits = [(int(i), int(j)) for i, j in np.argwhere(beyond > 0)]
+    worst = {j: max((i for i, k in beyond_limits if k == j), key=lambda i: beyond[i, j]) for _, j in beyond_limits}
     sentences = [
         f"{e.robot.joint_names[j]} = {np.degrees(q[i, j]):.2f} deg at {POINTS[i]} (range"
         f" {np.degrees(limits[j, 0]):.0f} to {np.degrees(limits[j, 1]):.0f} deg)"
@@ -74,7 +74,9 @@ def claim_3(e: Evidence) -> Claim:
     ]
     free = ", ".join(f"{n} at {point}" for point, n in zip(POINTS, e.branches_within_limits, strict=True))
     table = (
-        f"Table 1 breaks the arm's limits: {'; '.join(sentences)}" if broken else "Table 1 is within the arm's limits"
+        f"Table 1 violates the arm's limits: {'; '.join(sentences)}"
+        if beyond_limits
+        else "Table 1 is within the arm's limits"
     )
     return Claim(
         number=3,
@@ -84,7 +86,7 @@ def claim_3(e: Evidence) -> Claim:
             "beyond_limit_rad": {e.robot.joint_names[j]: float(beyond[i, j]) for j, i in sorted(worst.items())},
             "branches_within_limits": list(e.branches_within_limits),
         },
-        verdict=verdict_of(not broken),
+        verdict=verdict_of(not beyond_limits),
         explanation=f"{table}. Of the eight branches, within the limits are {free}.",
     )
 

@@ -66,7 +66,7 @@ def single_polynomial(
     Raises
     ------
     InputError
-        For fewer than two points, so many or so unevenly timed ones that rounding spoils the digits, times that
+        For fewer than two points, too many or too unevenly timed ones for double precision, times that
         do not increase, non-finite or misshapen arrays.
 
     Examples

@@ -118,8 +118,8 @@ def reason(resolved: ResolvedTask) -> str:
     where = ", ".join(f"{joint} at {' and '.join(names)}" for joint, names in points.items())
     count = len(resolved.branches)
     if not resolved.is_complete:
-        return f"Every way found ({resolved.extent}) breaks the position limit of {where}; there may be others."
-    branches = f"All {count} branches of the inverse kinematics break" if count > 1 else "The points break"
+        return f"Every way found ({resolved.extent}) violates the position limit of {where}; there may be others."
+    branches = f"All {count} branches of the inverse kinematics violate" if count > 1 else "The points violate"
     return f"{branches} the position limit of {where}: no profile through these points can be feasible."
 
 
@@ -140,7 +140,7 @@ def _plain_case(group: tuple[Assessment, ...], title: str | None, preface: str =
 
 
 def _comparison_case(comparison: Comparison, title: str | None) -> Case:
-    """All profiles in the tables; as many as there are colours are drawn, first those that no other beats."""
+    """All profiles in the tables; as many as there are colours are drawn, first the Pareto-optimal ones."""
     rows = comparison.profiles
     best = [row for row in rows if row.name in comparison.pareto_optimal]
     drawn = [*best, *(row for row in rows if row not in best)][:_MOST_DRAWN]
@@ -168,7 +168,7 @@ def _sizing_case(sizing: Sizing, title: str | None) -> Case:
         is_feasible=sizing.is_feasible,
         sentence=f"The drives are {sizing.verdict}.",
         preface=_boxed(
-            f"{sizing._repr_html_()}<p>Below the charts of the drives are the motions of the cycle, held against the"
+            f"{sizing._repr_html_()}<p>Below the charts of the drives are the motions of the cycle, checked against the"
             " robot's limits.</p>"
         ),
         pictures=sizing_pictures(sizing),

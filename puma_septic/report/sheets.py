@@ -89,7 +89,7 @@ def checks_csv(sizing: Sizing) -> str:
 def pairs_csv(selection: Selection) -> str:
     """One row for each joint and pair of the catalogue: accepted, or the check that it fails worst."""
     catalogue = selection.catalogue
-    rows: list[list[Any]] = [["joint", "motor", "gearbox", "strong enough", "fails worst in", "utilisation at least"]]
+    rows: list[list[Any]] = [["joint", "motor", "gearbox", "feasible", "worst violation", "utilisation at least"]]
     for one in selection.joints:
         pairs = zip(catalogue.motor_index.tolist(), catalogue.gearbox_index.tolist(), strict=True)
         for k, (i, j) in enumerate(pairs):

@@ -53,7 +53,7 @@ def _limited(robot: Robot, j: int, train: Drivetrain) -> Drivetrain:
     joint = robot.joint_names[j]
     if np.isnan(train.ratio):
         raise InputError(
-            f"joint {joint!r}: its gear ratio is not known, so nothing can be said of its motor; give the robot an"
+            f"joint {joint!r}: its gear ratio is not known, so its motor cannot be assessed; give the robot an"
             " actuator file, or drivetrains"
         )
     motor, gearbox, name = train.motor, train.gearbox, f"{robot.name} {joint}"

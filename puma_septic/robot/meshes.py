@@ -42,7 +42,7 @@ class Geometry:
         Raises
         ------
         ModelError
-            For a mesh that cannot be read, that has a vertex at no finite place, or that takes its texture
+            For a mesh that cannot be read, that has a non-finite vertex, or that takes its texture
             from outside the robot's folders.
         """
         try:
@@ -52,7 +52,7 @@ class Geometry:
         for shape in geometry.geometryObjects:
             vertices = getattr(shape.geometry, "vertices", None)
             if vertices is not None and not np.isfinite(vertices()).all():
-                raise ModelError(f"{shape.meshPath}: this mesh has a vertex at no finite place")
+                raise ModelError(f"{shape.meshPath}: this mesh has a non-finite vertex")
             if shape.meshPath.lower().endswith(".dae"):
                 _check_textures(Path(shape.meshPath), self.roots)
         return geometry

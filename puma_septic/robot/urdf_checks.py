@@ -183,6 +183,6 @@ def _check_tree(urdf: Urdf) -> None:
             pending.append(joint.child)
     detached = [link for link in urdf.links if link not in depth]
     if detached:
-        raise ModelError(f"{urdf.text.path}: links {', '.join(detached)} form a cycle that no base carries")
+        raise ModelError(f"{urdf.text.path}: links {', '.join(detached)} form a loop that is not connected to the base")
     if max(depth.values()) > MAX_DEPTH:
         raise ModelError(f"{urdf.text.path}: a chain of {max(depth.values())} joints; at most {MAX_DEPTH} are allowed")

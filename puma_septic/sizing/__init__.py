@@ -1,4 +1,4 @@
-"""Motors and gearboxes held against a duty cycle: strong enough, and by how much."""
+"""Motors and gearboxes checked against a duty cycle: strong enough, and by how much."""
 
 from puma_septic.sizing.asking import size
 from puma_septic.sizing.choosing import Selection

@@ -22,7 +22,7 @@ Bounds = tuple[Array, Array]
 _ROUNDING: Final = 1e-9
 # Pairs at a time: their torques at all instants stay within a few megabytes.
 _BLOCK: Final = 2048
-# Instants at which torque is held against a curve over speed, for the lower bound.
+# Instants at which torque is checked against a curve over speed, for the lower bound.
 _CURVE_INSTANTS: Final = 96
 
 

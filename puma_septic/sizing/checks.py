@@ -43,7 +43,7 @@ Outcome = LimitCheck | NotAssessed
 @final
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class DriveLimit:
-    """A limit of a drive train, with what is held against it.
+    """A limit of a drive train, with what is checked against it.
 
     Attributes
     ----------

@@ -57,7 +57,7 @@ class Selection:
 
     @cached_property
     def sizing(self) -> Sizing | None:
-        """The cycle held against the best pair of each joint; None where a joint has none."""
+        """The cycle checked against the best pair of each joint; None where a joint has none."""
         best = [one.best for one in self.joints]
         trains = [candidate.drivetrain for candidate in best if candidate is not None]
         return size(self.cycle, drivetrains=trains) if len(trains) == len(best) else None
@@ -68,11 +68,11 @@ class Selection:
 
     @property
     def verdict(self) -> str:
-        """One sentence: a choice, or the joints that have none and the check that rejects most there."""
+        """One sentence: a choice, or the joints that have none and the most frequent reason there."""
         missing = [one for one in self.joints if one.best is None]
         if not missing:
             return "a pair that is strong enough for every joint"
-        reasons = "; ".join(f"{one.joint} ({next(iter(one.rejections))} rejects most)" for one in missing)
+        reasons = "; ".join(f"{one.joint} (most frequent reason: {next(iter(one.rejections))})" for one in missing)
         return f"no pair is strong enough for {reasons}"
 
     def to_dict(self) -> dict[str, Any]:
@@ -93,12 +93,17 @@ class Selection:
     def remarks(self) -> tuple[str, ...]:
         """Notes, columns of the catalogue that no check uses, and what no choice of drives mends."""
         unused = self.catalogue.unused
-        columns = (f"read, but used by no check: {', '.join(unused)}",) if unused else ()
+        columns = (f"read but not used: {', '.join(unused)}",) if unused else ()
         return (*self.notes, *columns, *position_remarks(self.cycle))
 
     def __str__(self) -> str:
         title = f"{self.cycle.robot.name}, cycle of {self.cycle.duration:g} s, by {self.rank}: {self.verdict}"
-        lines = [title, "", _table(self), "use: of the limit used most; ratio window: by RMS torque and speed"]
+        lines = [
+            title,
+            "",
+            _table(self),
+            "use: utilisation of the governing limit; ratio window: by RMS torque and speed",
+        ]
         lines += ["", *(f"{one.joint}: {one.explanation}" for one in self.joints)]
         return "\n".join([*lines, *(f"Note: {note}" for note in self.remarks)])
 
@@ -130,7 +135,7 @@ def checked_rank(rank: Rank, keep: int | None) -> None:
 
 
 def _table(selection: Selection) -> str:
-    headers = ["joint", "motor", "gearbox", "mass [kg]", "cost", "use", "limit used most", "ratio", "best", "window"]
+    headers = ["joint", "motor", "gearbox", "mass [kg]", "cost", "use", "governing limit", "ratio", "best", "window"]
     rows: list[list[Cell]] = []
     for one in selection.joints:
         if one.best is None:

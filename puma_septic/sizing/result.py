@@ -51,7 +51,7 @@ class MotorLoadProfile:
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Sizing:
-    """A duty cycle held against drive trains; made by `size`.
+    """A duty cycle checked against drive trains; made by `size`.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class Sizing:
 
     @property
     def checks(self) -> tuple[LimitCheck, ...]:
-        """Every known limit held against its demand, joint by joint."""
+        """Every known limit checked against its demand, joint by joint."""
         return tuple(outcome for outcome in self._outcomes if isinstance(outcome, LimitCheck))
 
     def joint_checks(self, joint: str) -> tuple[LimitCheck, ...]:
@@ -82,33 +82,33 @@ class Sizing:
 
     @property
     def violations(self) -> tuple[LimitCheck, ...]:
-        """The limits that are broken, the worst first; rules of thumb are in `warnings`."""
-        return self._broken(thumb=False)
+        """The limits that are violated, the worst first; rules of thumb are in `warnings`."""
+        return self._violated(thumb=False)
 
     @property
     def warnings(self) -> tuple[LimitCheck, ...]:
         """The rules of thumb that are not kept: unusual, but no reason to reject."""
-        return self._broken(thumb=True)
+        return self._violated(thumb=True)
 
-    def _broken(self, *, thumb: bool) -> tuple[LimitCheck, ...]:
+    def _violated(self, *, thumb: bool) -> tuple[LimitCheck, ...]:
         return most_used_first(c for c in self.checks if c.is_violated and (c.kind == "rule of thumb") == thumb)
 
     @property
     def governing(self) -> LimitCheck | None:
-        """The limit used most, rules of thumb apart; None where none is known."""
+        """The governing limit, the one of highest utilisation, rules of thumb apart; None where none is known."""
         binding = most_used_first(check for check in self.checks if check.kind != "rule of thumb")
         return binding[0] if binding else None
 
     @property
     def verdict(self) -> str:
-        """One sentence: strong enough or not, and the limit that governs."""
+        """One sentence: strong enough or undersized, and the governing limit."""
         if not self.violations and not self.is_feasible:
-            return "not strong enough: a velocity steps, which takes unbounded torque"
-        return verdict(("strong enough", "not strong enough"), self.violations, self.governing)
+            return "undersized: a velocity steps, which takes unbounded torque"
+        return verdict(("strong enough", "undersized"), self.violations, self.governing)
 
     @property
     def is_feasible(self) -> bool:
-        """Whether no known limit is broken and no unbounded torque is needed (as a step in velocity would)."""
+        """Whether no known limit is violated and no unbounded torque is needed (as a step in velocity would)."""
         return not self.violations and bool(np.isnan(self.cycle.unbounded).all())
 
     @property

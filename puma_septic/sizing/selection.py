@@ -27,7 +27,7 @@ __all__ = ["RANKS", "Candidate", "JointSelection", "Rank", "select_joint"]
 Rank = Literal["mass", "cost", "margin"]
 RANKS: Final[tuple[Rank, ...]] = ("mass", "cost", "margin")
 _UNBOUNDED: Final = "unbounded torque (a velocity steps)"
-# A limit that is used by more than this is broken whatever the rounding, see `LimitCheck.is_violated`.
+# A limit that is used by more than this is violated whatever the rounding, see `LimitCheck.is_violated`.
 _CERTAIN: Final = 1 + 10 * AT_LIMIT
 
 
@@ -72,12 +72,12 @@ class Candidate:
 
     @property
     def governing(self) -> LimitCheck | None:
-        """The limit used most, rules of thumb apart; None where none is known."""
+        """The governing limit, rules of thumb apart; None where none is known."""
         return next((check for check in self.checks if check.kind != "rule of thumb"), None)
 
     @property
     def margin(self) -> float:
-        """What is left of the limit used most, ``1 - demand / limit``; NaN where none is known."""
+        """What is left of the governing limit, ``1 - demand / limit``; NaN where none is known."""
         return np.nan if self.governing is None else self.governing.margin
 
 
@@ -93,7 +93,7 @@ class JointSelection:
     is_feasible : ndarray of bool, shape (n_pairs,)
         Whether each pair breaks no known limit.
     reasons : tuple of str
-        For each pair the check that it fails worst, by the bounds at hand; empty where it is feasible.
+        For each pair the check of its worst violation, by the bounds at hand; empty where it is feasible.
     utilisation : ndarray, shape (n_pairs,)
         Of that check, or of the one used most; a lower bound.
     kept : tuple of Candidate
@@ -127,7 +127,7 @@ class JointSelection:
         counts = ", ".join(f"{name} {count}" for name, count in self.rejections.items())
         if left:
             return f"{left} of {total} pairs are strong enough" + (f"; rejected by {counts}" if counts else "")
-        return f"none of {total} pairs is strong enough; most are rejected by the first of: {counts}"
+        return f"none of {total} pairs is strong enough; reasons, most frequent first: {counts}"
 
     def why(self, motor: str, gearbox: str) -> str:
         """What became of one pair; an unknown name lists the valid ones."""
@@ -141,7 +141,7 @@ class JointSelection:
         if self.is_feasible[k]:
             return f"{motor} with {gearbox} is strong enough"
         worst = f"{self.reasons[k]}: at least {self.utilisation[k]:.4g} times the limit"
-        return f"{motor} with {gearbox} fails worst in {worst}"
+        return f"{motor} with {gearbox} is undersized; worst violation: {worst}"
 
 
 def select_joint(
@@ -163,14 +163,14 @@ def select_joint(
     worst, lowest, highest = low.argmax(axis=0), low.max(axis=0), high.max(axis=0)
     is_feasible, reasons = highest <= 1, [names[k] for k in worst]
     found: dict[int, Candidate] = {}
-    n_broken = 0
+    n_violated = 0
     for k in np.flatnonzero((lowest <= _CERTAIN) & ~is_feasible).tolist():
         candidate = assessed(grid, table, k)
-        broken, unmade = _worst(candidate), _unmade(candidate, [names[i] for i in np.flatnonzero(high[:, k] > 1)])
-        if broken is not None:
-            reasons[k], lowest[k], n_broken = broken.quantity, broken.utilisation, n_broken + 1
+        violated, unmade = _worst(candidate), _unmade(candidate, [names[i] for i in np.flatnonzero(high[:, k] > 1)])
+        if violated is not None:
+            reasons[k], lowest[k], n_violated = violated.quantity, violated.utilisation, n_violated + 1
         elif unmade:
-            reasons[k], n_broken = f"{unmade} (cannot be assessed)", n_broken + 1
+            reasons[k], n_violated = f"{unmade} (cannot be assessed)", n_violated + 1
         else:
             is_feasible[k], found[k] = True, candidate
     kept = _ranked(grid, table, _keys(catalogue, rank, is_feasible, lowest), keep, found)
@@ -181,7 +181,7 @@ def select_joint(
         reasons=tuple("" if fits else reason for fits, reason in zip(is_feasible.tolist(), reasons, strict=True)),
         utilisation=lowest,
         kept=kept,
-        n_assessed=n_broken + len(found),
+        n_assessed=n_violated + len(found),
     )
 
 
@@ -199,7 +199,7 @@ def assessed(grid: LoadGrid, table: PairTable, k: int) -> Candidate:
 
 
 def _worst(candidate: Candidate) -> LimitCheck | None:
-    """The broken limit that is used most."""
+    """The violated limit of highest utilisation."""
     return next((c for c in candidate.checks if c.is_violated and c.kind != "rule of thumb"), None)
 
 

@@ -1,4 +1,4 @@
-"""What is marked on path and time line: broken limits and singular postures, with their instants."""
+"""What is marked on path and time line: violated limits and singular postures, with their instants."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Flag:
         Of the worst, or of the passage, s.
     text : str
     spans : tuple of (float, float)
-        While a limit is broken, s; none for what only happens at an instant.
+        While a limit is violated, s; none for what only happens at an instant.
     """
 
     kind: Literal["limit", "singular"]
@@ -36,7 +36,7 @@ class Flag:
 
 
 def flags_of(assessment: Assessment) -> tuple[Flag, ...]:
-    """Broken limits, the worst first, then passages through singular postures in order of time."""
+    """Violated limits, the worst first, then passages through singular postures in order of time."""
     limits = [
         Flag(kind="limit", time=check.time, text=str(check), spans=_spans(assessment, check))
         for check in assessment.violations

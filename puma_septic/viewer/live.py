@@ -84,7 +84,7 @@ def replay(
 ) -> Replay:
     """Show one motion, or several at once, as an arm that moves.
 
-    The first motion is the solid arm, its links coloured by torque over limit; further ones are ghosts. Drawn as well:
+    The first motion is the solid arm, its links coloured by torque utilisation; further ones are ghosts. Drawn as well:
     the tool's path coloured by its speed, via points, payload, and where limits break and postures are singular. The
     page has play, pause, speed and a time line; it moves at true speed.
 
@@ -109,7 +109,7 @@ def replay(
     Raises
     ------
     InputError
-        For nothing to show, labels that are too few or many, or a port that is none.
+        For nothing to show, labels that are too few or many, or an invalid port.
     ModelError
         For a mesh that cannot be read or drawn, with its file.
 

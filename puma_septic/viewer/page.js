@@ -102,7 +102,7 @@
       mark.style.background = flag.kind === "limit" ? "#d61a1c" : "#85339e";
     }
   }
-  if (!flags.length) make("li", byId("flags"), "no limit broken, no singular posture passed");
+  if (!flags.length) make("li", byId("flags"), "no violated limit, no singular posture");
   for (const missing of new Set(data.motions.flatMap((motion) => motion.missing))) {
     byId("notes-box").hidden = false;
     make("li", byId("notes"), "mesh not found, not drawn: " + missing);

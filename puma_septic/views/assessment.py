@@ -28,7 +28,7 @@ def text(document: Document) -> str:
     """A table that a person reads, with verdict, violations and what is not known."""
     rest = f", then {document['dwell']:g} s at rest" if document["dwell"] else ""
     motion, effort = _joint_rows(document)
-    note = f"{_units(document)}; (use of the limit; ! marks a broken one)"
+    note = f"{_units(document)}; (utilisation; ! marks a violation)"
     lines = [
         _head(document, rest),
         "",
@@ -62,7 +62,7 @@ def tables(document: Document) -> str:
     quantities = _quantities(document)
     margins = [[joint["name"], *(_margin(joint, quantity) for quantity in quantities)] for joint in document["joints"]]
     parts = (
-        html_table(_MOTION, motion, caption=f"Peaks, and use of the limit. {_units(document)}"),
+        html_table(_MOTION, motion, caption=f"Peaks, and utilisation of the limits. {_units(document)}"),
         html_table(_effort_headers(document), effort, caption="Torque and energy, over the motion and its dwell"),
         html_table(
             ["joint", *(quantity.label for quantity in quantities)],
@@ -92,7 +92,7 @@ def _head(document: Document, rest: str = "") -> str:
 def _lists(document: Document) -> dict[str, list[str]]:
     """What stands below the tables, where there is any."""
     lists = {
-        "Limits broken": [str(check) for check in read_checks(document["violations"])],
+        "Violated limits": [str(check) for check in read_checks(document["violations"])],
         "Not assessed": document["not_assessed"],
         "Remarks": document["remarks"],
     }
@@ -101,8 +101,8 @@ def _lists(document: Document) -> dict[str, list[str]]:
 
 def _units(document: Document) -> str:
     units = "Peaks in rad, rad/s, rad/s^2, rad/s^3, N m; energies in J"
-    slides = any(joint["is_prismatic"] for joint in document["joints"])
-    return f"{units} (sliding joints: m and N)" if slides else units
+    prismatic = any(joint["is_prismatic"] for joint in document["joints"])
+    return f"{units} (prismatic joints: m and N)" if prismatic else units
 
 
 def _quantities(document: Document) -> list[Quantity]:

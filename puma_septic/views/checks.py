@@ -18,17 +18,17 @@ def read_checks(documents: Iterable[Mapping[str, Any]]) -> tuple[LimitCheck, ...
 
 
 def percent(utilisation: float, digits: int = 0) -> str:
-    """How much of a limit is used."""
+    """A utilisation as text."""
     return "unbounded" if isinf(utilisation) else f"{100 * utilisation:.{digits}f} %"
 
 
 def verdict(words: tuple[str, str], violations: Sequence[LimitCheck], governing: LimitCheck | None) -> str:
-    """One sentence: the word for kept or for violated, and the limit that governs."""
+    """One sentence: the word for kept or for violated, and the governing limit."""
     kept, violated = words
     if not violations:
-        return kept if governing is None else f"{kept}; the limit used most: {governing}"
+        return kept if governing is None else f"{kept}; governing limit: {governing}"
     count = len(violations)
-    return f"{violated}, {count} limit{'s' if count > 1 else ''} broken; the worst: {violations[0]}"
+    return f"{violated}, {count} limit{'s' if count > 1 else ''} violated; the worst: {violations[0]}"
 
 
 def unmet_text(checks: Sequence[LimitCheck], not_assessed: Sequence[str], margin: float) -> str:

@@ -23,12 +23,12 @@ _MOTION: Final = (
     "peak_velocity", "rms_velocity", "peak_acceleration", "rms_acceleration", "peak_jerk", "rms_jerk",
     "integral_of_squared_jerk", "end_jerk",
 )  # fmt: skip
-_ARM_HEADERS: Final = ("profile", "time", "at vias", "over", "peak torque", "rms", "energy", "broken")
+_ARM_HEADERS: Final = ("profile", "time", "at vias", "over", "peak torque", "rms", "energy", "violated")
 _OF_TORQUE: Final = ("peak torque", "rms", "energy")
 _ARM_NOTE: Final = (
     "Over: largest excess beyond the hull of the points, rad. Peak torque as a share of its limit, of the joint that"
     " uses most of it (in N m where no limit is known); rms: root of the joints' summed mean square torques, N m;"
-    " energy that the actuators put in, J; broken: limits by quantity, with the number of joints."
+    " energy that the actuators put in, J; violated: limits by quantity, with the number of joints."
 )
 _UNKNOWN: Final = "not known"
 _BRIEF: Final = {"position": "pos", "velocity": "vel", "acceleration": "acc"}
@@ -134,7 +134,7 @@ def _arm_rows(document: Document, separator: str) -> list[list[Cell]]:
             _torque(row, document["joint_names"]),
             _short(sqrt(fsum(numeric(value) ** 2 for value in row["joints"]["rms_torque"]))),
             _short(numeric(row["overall"]["energy_in"])),
-            _broken(read_checks(row["checks"]), separator),
+            _violated(read_checks(row["checks"]), separator),
         ]
         for row in document["profiles"]
     ]
@@ -158,7 +158,7 @@ def _torque(row: Document, joint_names: list[str]) -> str:
     return f"{worst.joint} {share}"
 
 
-def _broken(checks: tuple[LimitCheck, ...], separator: str) -> str:
+def _violated(checks: tuple[LimitCheck, ...], separator: str) -> str:
     """How often each quantity is violated, the one that is violated most first."""
     quantities = [check.label for check in most_used_first(checks) if check.is_violated]
     counts = {name: quantities.count(name) for name in dict.fromkeys(quantities)}

@@ -14,7 +14,7 @@ __all__ = ["html", "sentence", "text"]
 
 Document = Mapping[str, Any]
 
-_HEADERS: Final = ("profile", "verdict", "limit used most", "velocity", "torque")
+_HEADERS: Final = ("profile", "verdict", "governing limit", "velocity", "torque")
 
 
 def text(documents: Sequence[Document], labels: Sequence[str]) -> str:

@@ -42,14 +42,14 @@ def _joint_table(joints: Sequence[Document]) -> str:
     rows: list[list[Cell]] = [
         [
             joint["name"],
-            "slides" if joint["is_prismatic"] else "turns",
+            "prismatic" if joint["is_prismatic"] else "revolute",
             _triple(joint["origin"]),
             _triple(joint["axis"]),
         ]
         for joint in joints
     ]
     caption = "Joints, with all positions at zero, in the world"
-    return html_table(["joint", "moves", "origin x, y, z [m]", "axis x, y, z"], rows, caption=caption)
+    return html_table(["joint", "type", "origin x, y, z [m]", "axis x, y, z"], rows, caption=caption)
 
 
 def _limit_table(document: Document) -> str:
@@ -58,11 +58,11 @@ def _limit_table(document: Document) -> str:
     rows: list[list[Cell]] = [
         [joint["name"], *(_limit(joint, quantity.name) for quantity in quantities)] for joint in joints
     ]
-    slides = " (sliding joints: m and N)" if any(joint["is_prismatic"] for joint in joints) else ""
+    units = " (prismatic joints: m and N)" if any(joint["is_prismatic"] for joint in joints) else ""
     return html_table(
         ["joint", *(f"{quantity.name} [{typeset(quantity.units[0])}]" for quantity in quantities)],
         rows,
-        caption=_sourced(f"Limits{slides}", [document["limits_source"]]),
+        caption=_sourced(f"Limits{units}", [document["limits_source"]]),
     )
 
 

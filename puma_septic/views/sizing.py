@@ -21,10 +21,10 @@ _RPM: Final = 60 / (2 * pi)
 _ROUNDING: Final = 1e-12
 _CAUSES: Final = ("gravity", "motion", "rotor", "friction")
 _DEMANDS: Final = (
-    "Load: at the gearbox's output. Causes: RMS at the joint. Torques in N m (sliding joints: load in N), speeds in"
+    "Load: at the gearbox's output. Causes: RMS at the joint. Torques in N m (prismatic joints: load in N), speeds in"
     " 1/min; work: mechanical, in J"
 )
-_CHECKS: Final = "margin = 1 - demand / limit; ! marks a broken limit, ? a rule of thumb"
+_CHECKS: Final = "use: utilisation, demand / limit; margin: 1 - use; ! marks a violated limit, ? a rule of thumb"
 
 
 def text(document: Document) -> str:

@@ -238,7 +238,7 @@ def test_a_feasible_motion_names_the_limit_it_uses_most(puma: ps.Robot) -> None:
     assert result.is_feasible
     assert result.violations == ()
     assert result.worst is not None
-    assert str(result).splitlines()[0].endswith(f"feasible; the limit used most: {result.worst}")
+    assert str(result).splitlines()[0].endswith(f"feasible; governing limit: {result.worst}")
 
 
 def test_what_is_unknown_is_listed_and_never_makes_a_motion_infeasible(puma: ps.Robot) -> None:
@@ -296,7 +296,7 @@ def test_a_step_in_velocity_is_infeasible_even_where_no_limit_is_known(puma: ps.
         assert np.isinf(getattr(result, f"rms_{name}")).all()
     np.testing.assert_allclose(result.peak_velocity, 0.15)
     assert np.isinf(result.peak_power).all()
-    assert "infeasible, 12 limits broken" in str(result)
+    assert "infeasible, 12 limits violated" in str(result)
     limited = ps.assess(puma.with_limits(acceleration=5.0), move)
     assert {check.quantity for check in limited.violations} == {"acceleration", "effort"}
     assert limited.margins["acceleration"].tolist() == [-np.inf] * 6

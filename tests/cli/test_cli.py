@@ -19,7 +19,7 @@ from helpers.six_axis_arms import KR5, arm, standard
 import puma_septic as ps
 from puma_septic.cli import COMMANDS, _assess, _assess_answer, main
 from puma_septic.cli._parser import parse
-from puma_septic.cli._task_text import broken_text
+from puma_septic.cli._task_text import branches_text
 from puma_septic.task import load_task, make_task, resolve_task
 
 FIGURES = (
@@ -55,7 +55,7 @@ def test_assess_shows_the_papers_task_and_why_it_is_infeasible(capsys: pytest.Ca
     assert main(["assess"]) == 1
     out, err = capsys.readouterr()
     assert err == ""
-    assert "all 8 branches of the inverse kinematics break the position limit of joint5 at 'take'" in out
+    assert "all 8 branches of the inverse kinematics violate the position limit of joint5 at 'take'" in out
     words = " ".join(out.split())
     for profile in ("septic", "lspb", "quintic_segments"):
         assert f"{profile} infeasible joint5 position 114 %" in words
@@ -70,7 +70,7 @@ def test_the_reason_is_computed() -> None:
     wide = ps.load_robot().limits.position.copy()
     wide[4] = -3, 3
     document = {**load_task("paper").document(), "limits": {"position": wide.tolist()}}
-    text = " ".join(broken_text(resolve_task(make_task(document))).split())
+    text = " ".join(branches_text(resolve_task(make_task(document))).split())
     assert "joint5" not in text
     assert "Branches that keep the position limits at all points: right-up-noflip, left-up-flip." in text
 
@@ -238,7 +238,7 @@ def test_ik_names_the_singularity(capsys: pytest.CaptureFixture[str]) -> None:
     T = ps.forward_kinematics(ps.load_robot(), [0.0, 0.8, -2.5, 0.0, 0.0, 0.0])
     pitch = np.rad2deg(np.arctan2(-T[2, 0], T[0, 0]))
     main(["ik", "--position", *map(repr, T[:3, 3].tolist()), "--rpy-deg", "0", repr(float(pitch)), "0"])
-    assert "right-up-noflip stands at the singularity of: wrist" in capsys.readouterr().out
+    assert "right-up-noflip is singular (wrist)" in capsys.readouterr().out
 
 
 def test_ik_says_how_many_branches_there_are_and_how_low_they_hang(capsys: pytest.CaptureFixture[str]) -> None:

@@ -214,7 +214,7 @@ def test_fix_leaves_alone_what_holds_and_says_where_nothing_helps(
     code, told = document(capsys, good, *KNOWN, "--fix", str(same))
     assert code == 0
     assert told["fix"]["factor"] == 1
-    assert told["fix"]["message"] == "unchanged: no known limit is broken"
+    assert told["fix"]["message"] == "unchanged: no known limit is violated"
     assert same.read_text() == Path(good).read_text()
     far = ps.quintic_segments([[0.0] * 6, [0, 0, 1.5, 0, 0, 0]], [0.0, 1.0], joint_names=puma.joint_names)
     path = ps.write_joint_trajectory(tmp_path / "far.yaml", far)

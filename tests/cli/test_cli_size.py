@@ -26,14 +26,14 @@ def test_the_arms_own_drives(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = ask(capsys, "--payload", "2.5", "--dwell", "1")
     assert code == 0
     assert "move 9 s with 2.5 kg, rest 1 s, move 9 s with 0 kg, rest 1 s" in out
-    assert "strong enough; the limit used most: joint2 actuator effort" in out
+    assert "strong enough; governing limit: joint2 actuator effort" in out
     assert "winding temperature rise: needs" in out
 
 
 def test_a_load_that_is_too_heavy(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = ask(capsys, "--payload", "9")
     assert code == 1
-    assert "not strong enough" in out
+    assert "undersized" in out
     assert "the worst: joint2 actuator effort at the joint" in " ".join(out.split())
 
 
@@ -55,8 +55,8 @@ def test_csv_of_both_kinds(capsys: pytest.CaptureFixture[str]) -> None:
     assert float(checks[0]["margin"]) == pytest.approx(1 - float(checks[0]["utilisation"]))
     assert len(pairs) == 36
     wrong = [row for row in pairs if row["joint"] == "joint2" and row["motor"] == "puma560-motor6"]
-    assert wrong[0]["strong enough"] == "no"
-    assert wrong[0]["fails worst in"] == "actuator effort at the joint"
+    assert wrong[0]["feasible"] == "no"
+    assert wrong[0]["worst violation"] == "actuator effort at the joint"
 
 
 def test_a_catalogue_ends_with_the_chosen_drives(capsys: pytest.CaptureFixture[str]) -> None:
@@ -94,7 +94,7 @@ def test_a_catalogue_without_a_fit(capsys: pytest.CaptureFixture[str], tmp_path:
     folder = tmp_path / "out"
     code, out, _ = ask(capsys, "--catalogue", str(motors), str(gears), "--out", str(folder))
     assert code == 1
-    assert "joint2 (motor torque rejects most)" in out
+    assert "joint2 (most frequent reason: motor torque)" in out
     assert {path.name for path in folder.iterdir()} == {"sizing.json", "pairs.csv"}
 
 
@@ -107,7 +107,7 @@ def test_the_electronics_of_a_drives_file_hold_for_a_catalogue(
     file.write_text(f'schema = 1\nrobot = "puma560"\n[joints.joint2.drive]\npeak_current = {current}\n')
     code, out, _ = ask(capsys, "--catalogue", "example", "--keep", "1", "--drives", str(file))
     assert code == 1
-    assert "no pair is strong enough for joint2 (peak current rejects most)" in " ".join(out.split())
+    assert "no pair is strong enough for joint2 (most frequent reason: peak current)" in " ".join(out.split())
 
 
 def test_a_robot_without_gear_ratios_is_told_the_options(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

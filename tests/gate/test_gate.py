@@ -39,7 +39,7 @@ def test_a_motion_within_all_limits_is_ok(puma: ps.Robot) -> None:
     assert check.is_ok
     assert check.reasons == ()
     assert len(check.margins) == 30
-    assert str(check).startswith("ok; the limit used most: joint1 position 0.5 rad at t = 2 s is 49.5 rad from its")
+    assert str(check).startswith("ok; governing limit: joint1 position 0.5 rad at t = 2 s is 49.5 rad from its")
 
 
 def test_what_is_not_known_leaves_it_undecided_until_it_is_allowed(puma: ps.Robot) -> None:
@@ -351,7 +351,7 @@ def test_where_no_stretch_helps_it_is_said_why(puma: ps.Robot) -> None:
     assert error.value.residual == pytest.approx(0.1 * still[1], rel=1e-3)
     bounds = np.column_stack([np.full(6, -50.0), np.full(6, 50.0)])
     bounds[3, 1] = 0.4
-    with pytest.raises(ps.NoSolution, match=r"joint4 position 0\.5 rad .* is broken at any speed"):
+    with pytest.raises(ps.NoSolution, match=r"joint4 position 0\.5 rad .* is violated at any speed"):
         ps.least_stretch(limited(puma, position=bounds), move)
     lines = ps.profiles.linear(np.array([[0.0] * 6, [0.2] * 6]), [0, 2.0])
     with pytest.raises(ps.NoSolution, match="no stretch keeps the velocity with which the motion starts or ends"):

@@ -91,7 +91,7 @@ def test_the_verdict_comes_first_in_one_sentence(html: str) -> None:
         " its bound -1.745 rad (septic)."
     )
     assert text.index("Infeasible") < text.index(sentence) < text.index("Limit utilisation")
-    assert "All 8 branches of the inverse kinematics break the position limit of joint5 at take and place" in text
+    assert "All 8 branches of the inverse kinematics violate the position limit of joint5 at take and place" in text
 
 
 def test_it_has_every_part(html: str) -> None:
@@ -99,7 +99,7 @@ def test_it_has_every_part(html: str) -> None:
     assert headings == [
         "Limit utilisation", "Replay", "Torque", "Torque by cause: septic", "Torque by cause: lspb",
         "Torque by cause: quintic_segments", "Torque-speed plane", "Tool", "Position", "Velocity", "Acceleration",
-        "Jerk", "Numbers", "Assumptions and sources", "To repeat it", "Inputs",
+        "Jerk", "Numbers", "Assumptions and sources", "Reproduce this report", "Inputs",
     ]  # fmt: skip
     text = words(html)
     assert f"puma-septic {ps.__version__}" in text
@@ -257,7 +257,7 @@ def charts_of(html: str) -> list[tuple[str | None, str | None]]:
 def test_report_of_a_sizing_has_its_own_verdict(puma: ps.Robot) -> None:
     sizing = ps.size(ps.cycle.with_return(ps.compute_motion(puma, move()), dwell=0.5))
     text = words(ps.report_html(sizing, title="shelf"))
-    assert "Feasible The drives are strong enough; the limit used most: joint" in text
+    assert "Feasible The drives are strong enough; governing limit: joint" in text
     assert re.findall("<h4>([^<]*)</h4>", ps.report_html(sizing))[0] == "quintic_segments"
 
 

@@ -105,7 +105,7 @@ def test_a_texture_beside_its_mesh_is_welcome(tmp_path: Path) -> None:
 
 def test_refuses_a_mesh_with_a_vertex_nowhere(tmp_path: Path) -> None:
     stl(tmp_path / "fore.stl", [[0.0, 0.0, 0.0], [float("nan"), 0.0, 0.0], [0.0, 1.0, 0.0]])
-    with pytest.raises(ps.ModelError, match=r"fore\.stl: this mesh has a vertex at no finite place"):
+    with pytest.raises(ps.ModelError, match=r"fore\.stl: this mesh has a non-finite vertex"):
         _ = load(tmp_path, arm("fore.stl")).visual_model
 
 

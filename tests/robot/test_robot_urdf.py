@@ -79,7 +79,7 @@ ACCEPTED_WRONG = {
     ),
     "limit twice": ("</joint>", f"<limit {SHOULDER_LIMIT}/></joint>", "<limit> twice"),
     "two parents": ("</robot>", LOOP, "'third'.*already the child of joint 'elbow' in line 11; closed loops"),
-    "cycle": ("</robot>", CYCLE, "links a, b form a cycle that no base carries"),
+    "cycle": ("</robot>", CYCLE, "links a, b form a loop that is not connected to the base"),
     "mimic": (
         '<axis xyz="0 1 0"/>',
         '<axis xyz="0 1 0"/><mimic joint="elbow"/>',

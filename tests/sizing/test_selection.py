@@ -253,10 +253,10 @@ def test_an_empty_result_says_which_check_rejects_most() -> None:
     joint = selection.joint("joint2")
     assert joint.best is None
     assert joint.rejections == {"motor torque": 2, "motor speed": 2}
-    assert "none of 4 pairs is strong enough; most are rejected by" in joint.explanation
-    assert "joint2 (motor torque rejects most)" in selection.verdict
+    assert "none of 4 pairs is strong enough; reasons, most frequent first:" in joint.explanation
+    assert "joint2 (most frequent reason: motor torque)" in selection.verdict
     assert "no pair is strong enough for joint1" in str(selection)
-    assert joint.why("weak", "G60").startswith("weak with G60 fails worst in motor torque: at least ")
+    assert joint.why("weak", "G60").startswith("weak with G60 is undersized; worst violation: motor torque: at least ")
 
 
 def test_why_of_each_kind_of_pair() -> None:

@@ -277,7 +277,7 @@ def test_the_verdict_names_the_governing_limit_and_a_broken_one() -> None:
     assert all(check.kind != "rule of thumb" for check in sizing.violations)
     assert [check.quantity for check in sizing.warnings] == ["inertia ratio"]
     text = str(sizing)
-    assert text.startswith("puma560, cycle of 4 steps, 19 s, repeats: not strong enough")
+    assert text.startswith("puma560, cycle of 4 steps, 19 s, repeats: undersized")
     assert "RMS motor torque at mean speed" in text
     assert "motor torque: needs the motor's peak torque (all joints)" in text
     assert sizing.joint_checks("joint1")[0].utilisation >= sizing.joint_checks("joint1")[-1].utilisation

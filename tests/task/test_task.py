@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import puma_septic as ps
-from puma_septic.cli._task_text import broken_text
+from puma_septic.cli._task_text import branches_text
 from puma_septic.kinematics import inverse_kinematics
 from puma_septic.report.cases import reason
 from puma_septic.task import ResolvedTask, assess_task, load_task, make_task, parse_task, resolve_task, task_names
@@ -249,11 +249,11 @@ def test_ways_that_were_merely_found_are_not_called_all(tmp_path: Path) -> None:
     assert resolved.broken_in_all_branches == (("j1", "there"),)
     assert re.fullmatch(r"2 solutions found from \d+ starts", resolved.extent)
     said = (
-        "found through these poses breaks the position limit of j1 at 'there'; there may be others (2 solutions found"
+        "found through these poses violates the position limit of j1 at 'there'; there may be others (2 solutions found"
     )
-    assert said in " ".join(broken_text(resolved).split())
+    assert said in " ".join(branches_text(resolved).split())
     assert "Every way found (2 solutions found from" in reason(resolved)
-    assert "no profile" not in broken_text(resolved) + reason(resolved)
+    assert "no profile" not in branches_text(resolved) + reason(resolved)
 
 
 # ---- other arms with a closed form, and with fewer axes

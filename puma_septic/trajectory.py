@@ -94,7 +94,7 @@ class Trajectory:
         resolution = checked_array("resolution", self.resolution, () if np.ndim(self.resolution) == 0 else (n,))
         if not (resolution >= 0).all():
             raise InputError(f"resolution = {resolution.min():g}: must be at least 0")
-        object.__setattr__(self, "resolution", read_only(np.broadcast_to(resolution, n)))
+        object.__setattr__(self, "resolution", read_only(np.zeros(n) + resolution))
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "points", checked_array("points", self.points, (len(times), n), unit="rad"))
         if self.joint_names and len(self.joint_names) != n:
@@ -275,7 +275,8 @@ class Trajectory:
         lengths = self.position.lengths[:, None]
         late = 1 + self.duration / lengths
         off = _ROUNDING * late * size + _RESAMPLED * (size > 0) * size.sum(axis=0)
-        noise = np.tensordot(end_derivatives(self.position.degree), off, 1) * (2 / lengths) ** _ORDERS
+        noise = (end_derivatives(self.position.degree) @ off.reshape(len(off), -1)).reshape(4, *off.shape[1:])
+        noise = noise * (2 / lengths) ** _ORDERS
         noise = np.maximum(least, noise.transpose(1, 0, 2).reshape(len(lengths), -1))
         return np.asarray(np.maximum(np.concatenate([noise[:1], noise]), np.concatenate([noise, noise[-1:]])))
 

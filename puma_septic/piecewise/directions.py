@@ -46,28 +46,27 @@ def find_directions(position: Piecewise, turns: Array, resolution: Array) -> Pie
         In the unit of the position; 0 for a planned motion.
     """
     function = position.from_zero()
-    allowed = np.maximum(STILL, resolution)
     times = np.sort(np.concatenate([function.offsets, turns]))
-    values = function(times)
-    turned = [_turning_points(times, one, least) for one, least in zip(values.T, allowed, strict=True)]
-    rests = [_recorded_rests(function[int(j)], float(resolution[j])) for j in np.flatnonzero(resolution)]
+    allowed = np.maximum(STILL, resolution).tolist()
+    turned = [_turning_points(times, *pair) for pair in zip(function(times).T.tolist(), allowed, strict=True)]
+    recorded = np.flatnonzero(resolution)
+    rests = [_recorded_rests(function[int(j)], float(resolution[j])) for j in recorded]
     unit = function.stepwise(np.ones((len(function.lengths), 1)))
     unit = unit.split(np.concatenate([*(when for when, _ in turned), *map(np.ravel, rests)]))
     middles = unit.middles
-    directions = np.array([signs[np.searchsorted(when, middles)] for when, signs in turned]).T.copy()
-    for j, spans in zip(np.flatnonzero(resolution), rests, strict=True):
+    directions = np.array([signs[when.searchsorted(middles)] for when, signs in turned]).T.copy()
+    for j, spans in zip(recorded, rests, strict=True):
         for first, last in spans:
             directions[(middles > first) & (middles < last), j] = 0.0
-    directions[_creeping(function)[np.searchsorted(function.offsets[1:-1], middles)]] = 0.0
+    directions[_creeping(function)[function.offsets[1:-1].searchsorted(middles)]] = 0.0
     return unit.stepwise(directions).shifted(position.start)
 
 
-def _turning_points(times: Array, values: Array, allowed: float) -> tuple[Array, Array]:
-    """Times (k,) of the turning points of a component, which has these values, and the signs (k + 1,) between them.
+def _turning_points(times: Array, at: list[float], allowed: float) -> tuple[Array, Array]:
+    """Times (k,) of the turning points of a component with the values `at` these times, and the signs (k + 1,) between.
 
     A turn is an extremum from which the position comes back by more than `allowed`.
     """
-    at = values.tolist()
     turns: list[int] = []
     low = high = extreme = 0
     sign = 0.0

@@ -12,9 +12,8 @@ from puma_septic.errors import PumaSepticError
 from puma_septic.piecewise import matrices
 from puma_septic.validation import Array
 
-__all__ = ["fit_series"]
+__all__ = ["Intervals", "fit_series"]
 
-Sampler = Callable[[NDArray[np.int64], Array], Array]
 # Nested node sets: each holds the one before, so that raising the degree asks only for the nodes between.
 _DEGREES = (12, 24, 48, 96)
 # A round costs more than the samples of one interval, and less than those of many.
@@ -29,21 +28,50 @@ _ROUNDING = 64 * np.finfo(np.float64).eps
 _TRIM = 0.01
 
 
-def fit_series(sample: Sampler, offsets: Array, tolerance: float, *, start: float = 0.0) -> tuple[Array, Array]:
-    """Breaks, from the first, and coefficients (degree + 1, n, m) of what `sample(piece, x)` gives.
+class Intervals(NamedTuple):
+    """Parts [left, right] of [-1, 1] of the intervals `piece`."""
 
-    `sample` is called with the intervals (k,) and points x (k,) in [-1, 1] of them, and returns values (k, m); `start`
-    is for messages alone. See `Piecewise.fit`.
+    piece: NDArray[np.int64]
+    left: Array
+    right: Array
+
+    @property
+    def are_whole(self) -> bool:
+        """Whether none is less than all of its piece."""
+        return bool((self.right - self.left == 2).all())
+
+    def points(self, x: Array) -> Array:
+        """The points x of each of them, as points of its piece, shape (n, len(x))."""
+        return (self.left[:, None] * (1 - x) + self.right[:, None] * (1 + x)) / 2
+
+    def some(self, which: NDArray[np.bool_]) -> Intervals:
+        """Those."""
+        return Intervals(self.piece[which], self.left[which], self.right[which])
+
+    def starts(self, offsets: Array) -> Array:
+        """Where they begin, s; whole intervals at the given offsets, to the last bit."""
+        here, following = offsets[self.piece], offsets[self.piece + 1]
+        return (here * (1 - self.left) + following * (1 + self.left)) / 2
+
+
+Sampler = Callable[[Intervals, Array], Array]
+
+
+def fit_series(sample: Sampler, offsets: Array, tolerance: float, *, start: float = 0.0) -> tuple[Array, Array]:
+    """Breaks, from the first, and coefficients (degree + 1, n, m) of what `sample(intervals, x)` gives.
+
+    `sample` is called with n intervals and points x (k,) in [-1, 1] of each, and returns values (k, n, m); `start` is
+    for messages alone. See `Piecewise.fit`.
     """
     piece = np.arange(len(offsets) - 1)
-    pending = _Intervals(piece, np.full(len(piece), -1.0), np.full(len(piece), 1.0))
+    pending = Intervals(piece, np.full(len(piece), -1.0), np.full(len(piece), 1.0))
     done: list[tuple[float, Array]] = []
     scale, noisy = np.zeros(1), np.zeros(1, dtype=np.bool_)
     n_samples = 0
     while len(pending.piece):
         count = len(pending.piece)
         degrees = _DEGREES[2:] if count == 1 else _DEGREES[1:] if count < _FEW else _DEGREES
-        values = _values(sample, pending, matrices.nodes(degrees[0]))
+        values = sample(pending, matrices.nodes(degrees[0]))
         for degree in degrees:
             if degree != degrees[0]:
                 values = _refined(sample, pending, values, degree)
@@ -66,35 +94,11 @@ def fit_series(sample: Sampler, offsets: Array, tolerance: float, *, start: floa
     return np.append(starts, offsets[-1]), coefficients
 
 
-class _Intervals(NamedTuple):
-    """Parts [left, right] of [-1, 1] of the intervals `piece`."""
-
-    piece: NDArray[np.int64]
-    left: Array
-    right: Array
-
-    def some(self, which: NDArray[np.bool_]) -> _Intervals:
-        return _Intervals(self.piece[which], self.left[which], self.right[which])
-
-    def starts(self, offsets: Array) -> Array:
-        """Where they begin, s; whole intervals at the given offsets, to the last bit."""
-        here, following = offsets[self.piece], offsets[self.piece + 1]
-        return (here * (1 - self.left) + following * (1 + self.left)) / 2
-
-
-def _values(sample: Sampler, intervals: _Intervals, x: Array) -> Array:
-    """Values at the points x of every interval, shape (len(x), n, m), in one call."""
-    inside = (intervals.left * (1 - x)[:, None] + intervals.right * (1 + x)[:, None]) / 2
-    piece = np.repeat(intervals.piece, len(x))
-    values = np.asarray(sample(piece, inside.T.ravel()))
-    return np.moveaxis(values.reshape(len(intervals.piece), len(x), -1), 0, 1)
-
-
-def _refined(sample: Sampler, intervals: _Intervals, values: Array, degree: int) -> Array:
+def _refined(sample: Sampler, intervals: Intervals, values: Array, degree: int) -> Array:
     """Values at twice as many nodes, of which only the new ones are computed."""
     finer = np.empty((degree + 1, *values.shape[1:]))
     finer[::2] = values
-    finer[1::2] = _values(sample, intervals, matrices.nodes(degree)[1::2])
+    finer[1::2] = sample(intervals, matrices.nodes(degree)[1::2])
     return finer
 
 
@@ -113,7 +117,7 @@ def _converged(series: Array, scale: Array, tolerance: float) -> tuple[NDArray[n
     return tail <= tolerance * scale, noise
 
 
-def _bisected(intervals: _Intervals, breaks: Array, series: Array, scale: Array, n_samples: int) -> _Intervals:
+def _bisected(intervals: Intervals, breaks: Array, series: Array, scale: Array, n_samples: int) -> Intervals:
     """Each interval as two; an interval too small for that, or too many of them, is an error."""
     parts = (intervals.right - intervals.left) / 2
     if (small := parts.min()) < _SMALLEST or n_samples > _MOST_SAMPLES:
@@ -126,7 +130,7 @@ def _bisected(intervals: _Intervals, breaks: Array, series: Array, scale: Array,
             f" interval, {n_samples} samples): the function is not smooth there and needs a break"
         )
     middle = (intervals.left + intervals.right) / 2
-    return _Intervals(
+    return Intervals(
         np.concatenate([intervals.piece] * 2),
         np.concatenate([intervals.left, middle]),
         np.concatenate([middle, intervals.right]),

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from puma_septic.errors import InputError, PumaSepticError
 from puma_septic.piecewise import matrices
-from puma_septic.piecewise.fitting import fit_series
+from puma_septic.piecewise.fitting import Intervals, fit_series
 from puma_septic.piecewise.results import Extrema, Jumps
 from puma_septic.piecewise.search import find_extrema, find_sign_changes
 from puma_septic.validation import Array, checked_array, checked_times, read_only
@@ -128,15 +128,15 @@ class Piecewise:
         """
         times = _checked_breaks(breaks)
 
-        def sample(piece: NDArray[np.int64], x: Array) -> Array:
-            left, right = times[piece], times[piece + 1]
+        def sample(intervals: Intervals, x: Array) -> Array:
+            left, right, x = times[intervals.piece, None], times[intervals.piece + 1, None], intervals.points(x)
             # f may step at a break and has the right-hand value there: an interval's last instant is the one before.
-            t = np.clip((left * (1 - x) + right * (1 + x)) / 2, left, np.nextafter(right, left))
+            t = np.clip((left * (1 - x) + right * (1 + x)) / 2, left, np.nextafter(right, left)).ravel()
             values = np.asarray(f(t))
             if not np.isfinite(values).all():
                 k = int(np.argwhere(~np.isfinite(values))[0, 0])
                 raise PumaSepticError(f"the function to be fitted is not finite at t = {t[k]:.9g} s")
-            return values
+            return values.reshape(*x.shape, -1).transpose(1, 0, 2)
 
         start = float(times[0])
         return cls._trusted(start, *fit_series(sample, times - start, tolerance, start=start))
@@ -158,8 +158,15 @@ class Piecewise:
             As `fit`.
         """
 
-        def sample(piece: NDArray[np.int64], x: Array) -> Array:
-            return g(_evaluated(matrices.basis_at(x, self.degree), self.coefficients, piece))
+        def sample(intervals: Intervals, x: Array) -> Array:
+            n = len(intervals.piece)
+            if intervals.are_whole:
+                values = _apply(matrices.basis_at(x, self.degree).T, self.coefficients[:, intervals.piece])
+            else:
+                piece, inside = np.repeat(intervals.piece, len(x)), intervals.points(x).ravel()
+                values = _evaluated(matrices.basis_at(inside, self.degree), self.coefficients, piece)
+                values = values.reshape(n, len(x), -1).transpose(1, 0, 2)
+            return g(values.reshape(len(x) * n, -1)).reshape(len(x), n, -1)
 
         return self._trusted(self.start, *fit_series(sample, self.offsets, tolerance, start=self.start))
 

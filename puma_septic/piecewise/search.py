@@ -71,9 +71,11 @@ def find_extrema(
     found = [(ends, np.full(n * m, -1.0), left.ravel()), (ends, np.full(n * m, 1.0), right.ravel())]
     middle, spread = coefficients[0], total - size[0]
     wanted = (middle + spread > high - equal) | (middle - spread < low + equal) | (np.arange(m) < turning)
+    slopes = matrices.derivative_matrix(len(series) - 1) @ series
     turns = [np.empty(0)]
-    for block in _blocks(np.flatnonzero(wanted), len(series) - 1):
-        candidates = _candidates(series[:, block], block % m, low - equal, high + equal, turning)
+    for block in _blocks(np.flatnonzero(wanted.ravel() & _may_change_sign(slopes)), len(series) - 1):
+        some = (series[:, block], slopes[:, block])
+        candidates = _candidates(*some, block % m, low - equal, high + equal, turning)
         found += [(block[column], x, value) for column, x, value in candidates]
         if turning:
             at, x, _ = found[-1]
@@ -100,9 +102,8 @@ def find_sign_changes(breaks: Array, coefficients: Array, noise: Array | None = 
     """
     _, n, m = coefficients.shape
     series = coefficients.reshape(-1, n * m)
-    size = np.abs(series)
-    noise = _ROUNDING * size.sum(axis=0) if noise is None else noise.reshape(-1)
-    columns = np.flatnonzero(size[0] <= size[1:].sum(axis=0))
+    noise = _ROUNDING * np.abs(series).sum(axis=0) if noise is None else noise.reshape(-1)
+    columns = np.flatnonzero(_may_change_sign(series))
     at, times = [np.empty(0, dtype=np.int64)], [np.empty(0)]
     for block in _blocks(columns, len(series) - 1):
         some = series[:, block]
@@ -112,6 +113,14 @@ def find_sign_changes(breaks: Array, coefficients: Array, noise: Array | None = 
         times.append(_times(breaks, block[column] // m, x))
     joint, roots = np.concatenate(at) % m, np.concatenate(times)
     return tuple(np.sort(roots[joint == j]) for j in range(m))
+
+
+def _may_change_sign(series: Array) -> Flags:
+    """Whether the other coefficients of each column outweigh the first."""
+    size = np.abs(series)
+    total = size.sum(axis=0)
+    may: Flags = (2 * size[0] <= total) & (total > 0)
+    return may
 
 
 def _blocks(columns: Index, degree: int) -> Iterator[Index]:
@@ -182,12 +191,13 @@ def _cells_with_zeros(series: Array) -> _Cells:
     return _cells_of(series, column, k, len(values))
 
 
-def _candidates(series: Array, j: Index, low: Array, high: Array, turning: int) -> Iterator[tuple[Index, Array, Array]]:
+def _candidates(
+    series: Array, slopes: Array, j: Index, low: Array, high: Array, turning: int
+) -> Iterator[tuple[Index, Array, Array]]:
     """(column, x, value) of points that may be extreme: those of the grid, if there is one, then the turning points.
 
     Column i belongs to component j[i] with these bounds; of components below `turning` all turning points.
     """
-    slopes = matrices.derivative_matrix(len(series) - 1) @ series
     if len(slopes) <= _LOCAL + 1:
         cells = _eighths(slopes)
     else:
@@ -213,8 +223,7 @@ def _sign_changes(series: Array, cells: _Cells, noise: Array) -> tuple[Index, Ar
     if len(series) < 2 or not len(cells.column):
         return np.empty(0, dtype=np.int64), np.empty(0)
     noise = np.maximum(noise, _CONTROL_ROUNDING * np.abs(series).sum(axis=0))
-    cells, signs = _isolated(cells, noise)
-    before, after = signs
+    cells, before, after = _isolated(cells, noise)
     # Rounding has no sign: a sign changes between the last part that has one and the next, if they are not far apart.
     joined = np.append(False, (cells.column[1:] == cells.column[:-1]) & (cells.left[1:] == cells.right[:-1]))
     run, signed = np.cumsum(~joined), np.flatnonzero(after)
@@ -233,34 +242,43 @@ def _sign_changes(series: Array, cells: _Cells, noise: Array) -> tuple[Index, Ar
     return column, _zeros(series[:, column], bracket, values)
 
 
-def _isolated(cells: _Cells, noise: Array) -> tuple[_Cells, tuple[Array, Array]]:
+def _isolated(cells: _Cells, noise: Array) -> tuple[_Cells, Array, Array]:
     """Cells with at most one sign change, in order, and the signs with which each begins and ends; 0 for rounding."""
-    done: list[_Cells] = []
-    ends: list[Array] = []
+    done: list[tuple[_Cells, Array, Array]] = []
     for halving in range(_HALVINGS + 1):
-        signs = np.sign(cells.control) * (np.abs(cells.control) > noise[cells.column])
-        sure = (signs[0] != 0) & (signs[-1] != 0)
-        if not signs.all():
-            # Each control value has the sign of the last one, up to it, that has a sign.
-            known = np.maximum.accumulate(np.where(signs != 0, np.arange(len(signs))[:, None], 0), axis=0)
-            signs = signs[known, np.arange(signs.shape[1])]
-        changes = np.count_nonzero(signs[1:] * signs[:-1] < 0, axis=0)
+        least = noise[cells.column]
+        positive, negative = (cells.control > least).any(axis=0), (cells.control < -least).any(axis=0)
+        after = np.subtract(positive, negative, dtype=np.float64)
+        before = after.copy()
+        mixed = np.flatnonzero(positive & negative)
+        changes, last, sure = _changes(cells.control[:, mixed], least[mixed])
+        before[mixed], after[mixed] = np.where(changes % 2, -last, last), last
         # Between ends that have a sign one change is one; beside a touched zero a control value may overshoot.
-        few: Flags = (changes == 0) | ((changes == 1) & sure) | (halving == _HALVINGS)
-        last = signs[-1]
-        ends.append(np.array([np.where(changes % 2, -last, last), last])[:, few])
-        if few.all():
-            done.append(cells)
+        crowded = mixed[~((changes == 1) & sure)]
+        if not len(crowded) or halving == _HALVINGS:
+            done.append((cells, before, after))
             break
-        done.append(cells.some(few))
-        cells = cells.some(~few).halves()
+        few = np.ones(len(after), dtype=np.bool_)
+        few[crowded] = False
+        done.append((cells.some(few), before[few], after[few]))
+        cells = cells.some(crowded).halves()
     if len(done) == 1:
-        return cells, (ends[0][0], ends[0][1])
-    column, left, right = (np.concatenate(part) for part in list(zip(*done, strict=True))[:3])
-    cells = _Cells(column, left, right, np.concatenate([part.control for part in done], axis=1))
-    order = np.lexsort((left, column))
-    before, after = np.concatenate(ends, axis=1)[:, order]
-    return cells.some(order), (before, after)
+        return done[0]
+    cells = _Cells(*(np.concatenate(field, axis=-1) for field in zip(*(part for part, *_ in done), strict=True)))
+    order = np.lexsort((cells.left, cells.column))
+    before, after = (np.concatenate([ends[k] for _, *ends in done])[order] for k in (0, 1))
+    return cells.some(order), before, after
+
+
+def _changes(control: Array, noise: Array) -> tuple[Index, Array, Flags]:
+    """How often the control values of each cell change sign, the last sign, and whether both ends have one."""
+    signs = np.subtract(control > noise, control < -noise, dtype=np.float64)
+    sure = (signs[0] != 0) & (signs[-1] != 0)
+    if not signs.all():
+        # Each control value has the sign of the last one, up to it, that has a sign.
+        known = np.maximum.accumulate(np.where(signs != 0, np.arange(len(signs))[:, None], 0), axis=0)
+        signs = signs[known, np.arange(signs.shape[1])]
+    return np.count_nonzero(signs[1:] * signs[:-1] < 0, axis=0), signs[-1], sure
 
 
 def _zeros(series: Array, bracket: Array, values: Array) -> Array:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from puma_septic.piecewise import Piecewise
 from puma_septic.piecewise.matrices import end_derivatives, signs
@@ -86,6 +86,10 @@ def single_polynomial(
     )
 
 
+# Of the derivatives in the last four conditions: velocity at start and end, acceleration at start and end.
+_END_ORDERS = np.array([[1.0], [1.0], [2.0], [2.0]])
+
+
 def through_all(vias: Vias, **ends: ArrayLike | None) -> Trajectory:
     """The polynomial through the vias; `ends` are velocity at start and end, acceleration at start and end."""
     values = np.array([vias.boundary(name, value) for name, value in ends.items()])
@@ -102,16 +106,26 @@ def _interpolated(points: Array, t: Array, ends: Array) -> tuple[Array, float]:
 
     With points relative to the first, a joint that does not move gets coefficients that are exactly zero.
     """
-    half = t[-1] / 2
-    degree = len(points) + 3
-    angle = np.arccos(t / np.longdouble(half) - 1)
-    matrix = np.concatenate([np.cos(angle[:, None] * np.arange(degree + 1)), _end_conditions(degree)])
-    right = np.concatenate([points, half ** np.array([[1.0], [1.0], [2.0], [2.0]]) * ends])
-    try:
-        inverse = np.linalg.inv(matrix.astype(np.float64))
-    except np.linalg.LinAlgError:  # two times are the same, to rounding
+    matrix, inverse = _conditions(tuple(t.tolist()))
+    right = np.concatenate([points, (t[-1] / 2) ** _END_ORDERS * ends])
+    if inverse is None:
         return np.zeros_like(right), np.inf
     return refined(inverse.__matmul__, matrix.__matmul__, right)
+
+
+@lru_cache(maxsize=64)
+def _conditions(t: tuple[float, ...]) -> tuple[NDArray[np.longdouble], Array | None]:
+    """Rows of the conditions on the coefficients at times since the first, and their inverse, if there is one.
+
+    They depend on the times alone, which many moves share.
+    """
+    degree = len(t) + 3
+    angle = np.arccos(np.array(t, dtype=np.longdouble) / (t[-1] / 2) - 1)
+    matrix = np.concatenate([np.cos(angle[:, None] * np.arange(degree + 1)), _end_conditions(degree)])
+    try:
+        return matrix, np.linalg.inv(matrix.astype(np.float64))
+    except np.linalg.LinAlgError:  # two times are the same, to rounding
+        return matrix, None
 
 
 @lru_cache(maxsize=16)

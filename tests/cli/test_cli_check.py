@@ -267,10 +267,9 @@ def test_fix_keeps_the_way_from_the_start_state(tmp_path: Path, capsys: pytest.C
 def test_recordings_of_trajectories_and_of_joint_states(
     puma: ps.Robot, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    bags = pytest.importorskip("test_ros_bags")
     move = small_move(puma)
-    sent = bags.trajectory_message(move, [0.0, 2.0])
-    bag = bags.record(tmp_path / "a", "mcap", {"/t": [(1, sent), (2, sent)], "/joint_states": bags.states(move, 50)})
+    sent = trajectory_message(move, [0.0, 2.0])
+    bag = record(tmp_path / "a", "mcap", {"/t": [(1, sent), (2, sent)], "/joint_states": states(move, 50)})
     code, told = document(capsys, str(bag), *KNOWN)
     assert code == 0
     assert [one["origin"] for one in told["trajectories"]] == [f"{bag}, trajectory 0", f"{bag}, trajectory 1"]
@@ -284,13 +283,12 @@ def test_recordings_of_trajectories_and_of_joint_states(
 def test_noise_of_a_recording_leaves_it_undecided(
     puma: ps.Robot, tmp_path: Path, rng: np.random.Generator, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    bags = pytest.importorskip("test_ros_bags")
     move, robot = small_move(puma, 4.0), puma.joint_names
     states = [
-        (int(k * 1e7), bags.state_message(robot, move(k / 100) + rng.normal(0, 1e-3, 6), int(k * 1e7) + 10**18))
+        (int(k * 1e7), state_message(robot, move(k / 100) + rng.normal(0, 1e-3, 6), int(k * 1e7) + 10**18))
         for k in range(401)
     ]
-    bag = bags.record(tmp_path / "a", "mcap", {"/joint_states": states})
+    bag = record(tmp_path / "a", "mcap", {"/joint_states": states})
     _, told = document(capsys, str(bag), *KNOWN)
     assert "doubtful" in {reason["code"] for reason in told["trajectories"][0]["reasons"]}
     assert told["verdict"] != "ok"

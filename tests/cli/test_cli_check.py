@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.places import ROOT
+from helpers.ros_bags import record, state_message, states, trajectory_message
 from helpers.ros_messages import message, small_move
 from ruamel.yaml import YAML
 

@@ -6,13 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
+from rosbags import rosbag2
+from rosbags.typesys import Stores, get_typestore
 
 import puma_septic as ps
 from helpers.ros_messages import NAMES
-
-rosbag2 = pytest.importorskip("rosbags.rosbag2", reason="the extra `ros` is not installed")
-from rosbags.typesys import Stores, get_typestore  # noqa: E402 - after the check that the package is there
 
 TYPES = get_typestore(Stores.ROS2_HUMBLE)
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from helpers.ros_bags import TYPES, header, make, record, rosbag2, state_message, states, trajectory_message
+from helpers.ros_bags import record, state_message, states, trajectory_message
 from helpers.ros_messages import NAMES, small_move
 
 import puma_septic as ps

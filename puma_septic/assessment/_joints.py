@@ -65,11 +65,12 @@ def joint_metrics(motion: Motion, dwell: float) -> JointMetrics:
     _, rms_v, rms_a, rms_j = np.sqrt(trajectory.state.inner(trajectory.state) / cycle).reshape(4, -1)
     whole = _with_rest(motion, dwell)
     torque, known = whole.extrema(), motion.robot.knows_torque
+    peak_torque_time = torque.t_peak
     impulse_time, impulse_sign = first_impulses(motion)
     is_impulsive = ~np.isnan(impulse_time)
     # The extreme that is named by its instant; a constant has both at once.
     constant = torque.t_min == torque.t_max
-    negative = np.where(constant, torque.min < 0, torque.t_peak == torque.t_min)
+    negative = np.where(constant, torque.min < 0, peak_torque_time == torque.t_min)
     metrics = JointMetrics(
         peak_velocity=v,
         peak_velocity_time=t_v,
@@ -78,7 +79,7 @@ def joint_metrics(motion: Motion, dwell: float) -> JointMetrics:
         peak_jerk=j,
         peak_jerk_time=t_j,
         peak_torque=_where_known(known, np.where(is_impulsive, np.inf, torque.peak)),
-        peak_torque_time=_where_known(known, np.where(is_impulsive, impulse_time, torque.t_peak)),
+        peak_torque_time=_where_known(known, np.where(is_impulsive, impulse_time, peak_torque_time)),
         peak_torque_sign=np.where(is_impulsive, impulse_sign, np.where(negative, -1.0, 1.0)),
         rms_velocity=np.where(np.isinf(v), np.inf, rms_v),
         rms_acceleration=np.where(np.isinf(a), np.inf, rms_a),

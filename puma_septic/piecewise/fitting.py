@@ -76,7 +76,8 @@ def fit_series(sample: Sampler, offsets: Array, tolerance: float, *, start: floa
             if degree != degrees[0]:
                 values = _refined(sample, pending, values, degree)
             scale = np.maximum(scale, np.abs(values).max(axis=(0, 1)))
-            series = np.tensordot(matrices.coefficients_from_values(degree), values, 1)
+            series = matrices.coefficients_from_values(degree) @ values.reshape(degree + 1, -1)
+            series = series.reshape(values.shape)
             small, noise = _converged(series, scale, tolerance)
             good: NDArray[np.bool_] = np.all(small | noise, axis=1)
             noisy = noisy | (noise & ~small)[good].any(axis=0)

@@ -237,8 +237,7 @@ class Piecewise:
 
     def stepwise(self, values: ArrayLike) -> Piecewise:
         """The function that is constant on each interval of this one, values of shape (n, p)."""
-        values = checked_array("values", values, (len(self.offsets) - 1, None))
-        return self._with(values[None])
+        return self._with(np.array(values, dtype=np.float64).reshape(1, len(self.offsets) - 1, -1))
 
     def trimmed(self, part: float) -> Piecewise:
         """Without the last coefficients that are all below this part of the largest of their component."""

@@ -224,22 +224,31 @@ def _sign_changes(series: Array, cells: _Cells, noise: Array) -> tuple[Index, Ar
         return np.empty(0, dtype=np.int64), np.empty(0)
     noise = np.maximum(noise, _CONTROL_ROUNDING * np.abs(series).sum(axis=0))
     cells, before, after = _isolated(cells, noise)
-    # Rounding has no sign: a sign changes between the last part that has one and the next, if they are not far apart.
-    joined = np.append(False, (cells.column[1:] == cells.column[:-1]) & (cells.left[1:] == cells.right[:-1]))
-    run, signed = np.cumsum(~joined), np.flatnonzero(after)
-    first, second = signed[:-1], signed[1:]
-    across = (run[first] == run[second]) & (after[first] != before[second])
-    first, second = first[across], second[across]
     inside = np.flatnonzero(before != after)
     column, bracket = cells.column[inside], np.array([cells.left[inside], cells.right[inside]])
     control, sign = cells.control[:: len(cells.control) - 1, inside], np.array([before[inside], after[inside]])
     values = np.where(control * sign > 0, control, sign)
+    first, second = _across(cells, before, after)
     if len(first):
         middle = (cells.left + cells.right) / 2
         column = np.concatenate([column, cells.column[first]])
         bracket = np.concatenate([bracket, [middle[first], middle[second]]], axis=1)
         values = np.concatenate([values, [after[first], before[second]]], axis=1)
     return column, _zeros(series[:, column], bracket, values)
+
+
+def _across(cells: _Cells, before: Array, after: Array) -> tuple[Index, Index]:
+    """Pairs of cells between which a sign changes, across others of the same column that are rounding.
+
+    Rounding has no sign: it changes between the last part that has one and the next, if they are not far apart.
+    """
+    joined = (cells.column[1:] == cells.column[:-1]) & (cells.left[1:] == cells.right[:-1])
+    if not (joined & (after[:-1] != before[1:])).any():
+        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+    run, signed = np.cumsum(np.append(True, ~joined)), np.flatnonzero(after)
+    first, second = signed[:-1], signed[1:]
+    across = (run[first] == run[second]) & (after[first] != before[second])
+    return first[across], second[across]
 
 
 def _isolated(cells: _Cells, noise: Array) -> tuple[_Cells, Array, Array]:

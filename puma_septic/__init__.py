@@ -13,6 +13,7 @@ from puma_septic._version import __version__
 
 # A public name has one line here, for the interpreter, and one below, for the type checker.
 _HOMES: Final = {
+    "AccelerationLimits": "worst_case",
     "Actuator": "robot",
     "Assessment": "assessment",
     "Catalogue": "drives",
@@ -41,7 +42,9 @@ _HOMES: Final = {
     "Task": "task",
     "Trajectory": "trajectory",
     "TrajectoryCheck": "gate",
+    "WorstHolding": "worst_case",
     "Wrench": "robot",
+    "acceleration_limits": "worst_case",
     "assess": "assessment",
     "assess_task": "task",
     "built_in_catalogue": "drives",
@@ -84,6 +87,7 @@ _HOMES: Final = {
     "sizing": "sizing",
     "tool_motion": "kinematics",
     "torque_terms": "dynamics",
+    "worst_holding_torque": "worst_case",
     "write_joint_trajectory": "ros",
     "write_replay": "viewer",
     "write_report": "report.page",
@@ -166,6 +170,10 @@ if TYPE_CHECKING:
     from puma_septic.viewer import replay as replay
     from puma_septic.viewer import replay_html as replay_html
     from puma_septic.viewer import write_replay as write_replay
+    from puma_septic.worst_case import AccelerationLimits as AccelerationLimits
+    from puma_septic.worst_case import WorstHolding as WorstHolding
+    from puma_septic.worst_case import acceleration_limits as acceleration_limits
+    from puma_septic.worst_case import worst_holding_torque as worst_holding_torque
 else:  # hidden from the type checker, which would take every misspelt name for an attribute
 
     def __getattr__(name: str) -> object:

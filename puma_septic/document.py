@@ -14,11 +14,13 @@ __all__ = ["SCHEMAS", "csv_text", "numeric", "plain", "to_json"]
 
 SCHEMAS: Final = MappingProxyType(
     {
+        "accelerations": "puma-septic/accelerations/1",
         "assess": "puma-septic/assess/1",
         "assess-log": "puma-septic/assess-log/1",
         "assessment": "puma-septic/assessment/1",
         "check": "puma-septic/check/1",
         "comparison": "puma-septic/comparison/1",
+        "doctor": "puma-septic/doctor/1",
         "ik": "puma-septic/ik/1",
         "least-time": "puma-septic/least-time/1",
         "optimisation": "puma-septic/optimisation/1",

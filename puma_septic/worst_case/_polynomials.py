@@ -139,8 +139,8 @@ def fitted(
 
 def _nodes(bounds: Array, degree: int, slides: bool) -> Array:
     if slides:
-        return np.linspace(bounds[0], bounds[1], degree + 1)
-    return np.arange(2 * degree + 1) * (2 * pi / (2 * degree + 1))
+        return np.asarray(np.linspace(bounds[0], bounds[1], degree + 1), dtype=np.float64)
+    return np.arange(2.0 * degree + 1) * (2 * pi / (2 * degree + 1))
 
 
 def _basis(x: Array, size: int, slides: bool) -> Array:

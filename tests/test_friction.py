@@ -267,7 +267,7 @@ def test_a_motor_without_a_gear_ratio_is_not_sized() -> None:
     trains = [*ps.load_drivetrains(cycle.robot)[:4], ps.Drivetrain(), ps.Drivetrain(gearbox=ps.Gearbox(efficiency=0.8))]
     with pytest.raises(ps.InputError, match=r"gear ratio of joint 'joint5', 'joint6' is not known"):
         ps.size(cycle, drivetrains=trains)
-    with pytest.raises(ps.InputError, match="gearbox 'G': its ratio is not known"):
+    with pytest.raises(ps.InputError, match="gearbox 'G': its ratio is required"):
         ps.Catalogue(motors=[ps.Motor(name="M")], gearboxes=[ps.Gearbox(name="G")])
 
 

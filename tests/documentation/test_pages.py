@@ -104,7 +104,17 @@ def _call_test(test: Callable[..., None]) -> None:
     test(*(getattr(testing, argument) for argument in inspect.signature(test).parameters))
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if any(c.startswith("puma-septic") for c in commands(page))])
+def _pages_with_commands() -> list[Any]:
+    """Those that write a folder are slow: matplotlib draws each figure."""
+    found = [(page, [c for c in commands(page) if c.startswith("puma-septic")]) for page in PAGES]
+    return [
+        pytest.param(page, marks=pytest.mark.slow if any("--out" in line for line in lines) else [])
+        for page, lines in found
+        if lines
+    ]
+
+
+@pytest.mark.parametrize("page", _pages_with_commands())
 def test_the_commands_of_a_page_end_as_it_says(page: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     example_files(folder, page)
     with chdir(folder):

@@ -23,6 +23,7 @@ from puma_septic.drives import Catalogue
 from puma_septic.paper import reproduce
 
 MAKERS: dict[str, Callable[[], dict[str, Any]]] = {
+    "accelerations": lambda: ps.acceleration_limits(ps.load_robot(), region=_corner()).to_dict(),
     "assessment": lambda: ps.assess(paper_motion()).to_dict(),
     "comparison": lambda: ps.compare(ps.load_robot(), POINTS, TIMES, profiles=["septic", "linear"]).to_dict(),
     "least-time": lambda: ps.least_time(ps.septic, POINTS, TIMES, max_velocity=2.0, restarts=0).to_dict(),
@@ -35,6 +36,8 @@ MAKERS: dict[str, Callable[[], dict[str, Any]]] = {
     "selection": lambda: ps.size(_cycle(), catalogue=_few_parts()).to_dict(),
     "sizing": lambda: ps.size(_cycle()).to_dict(),
 }
+# Named, while what writes it is not there yet.
+AHEAD = {"doctor"}
 COMMANDS = {
     "assess": ["assess", "paper-turned", "--profile", "septic"],
     "assess-log": ["assess", "--csv", "log.csv"],
@@ -42,6 +45,10 @@ COMMANDS = {
     "ik": ["ik", "paper"],
     "profiles": ["profiles", "--normalised"],
 }
+
+
+def _corner() -> dict[str, tuple[float, float]]:
+    return dict.fromkeys(ps.load_robot().joint_names, (0.0, 0.2))
 
 
 def _cycle() -> ps.Cycle:
@@ -57,14 +64,16 @@ def _few_parts() -> Catalogue:
 def test_the_schema_is_one_itself_and_names_each_document() -> None:
     Draft202012Validator.check_schema(SCHEMA)
     named = {one["$ref"].rpartition("/")[2] for one in SCHEMA["oneOf"]}
-    assert named == set(SCHEMAS) == {*MAKERS, *COMMANDS}
-    assert {kind: SCHEMA["$defs"][kind]["properties"]["schema"]["const"] for kind in SCHEMAS} == dict(SCHEMAS)
+    assert named == {*MAKERS, *COMMANDS} == set(SCHEMAS) - AHEAD
+    assert {SCHEMA["$defs"][kind]["properties"]["schema"]["const"] for kind in named} == {
+        SCHEMAS[kind] for kind in named
+    }
 
 
 def test_each_document_has_its_words_in_the_documentation() -> None:
     page = (DOCS / "json.md").read_text(encoding="utf-8")
     told = set(re.findall(r"`(puma-septic/[\w-]+/\d+)`", page))
-    assert told == set(SCHEMAS.values())
+    assert told == {name for kind, name in SCHEMAS.items() if kind not in AHEAD}
 
 
 @pytest.mark.parametrize("path", sorted(GOLDEN.glob("*.json")), ids=lambda path: path.stem)

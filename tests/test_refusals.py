@@ -1,0 +1,192 @@
+"""Doors that refuse what the tests of their rooms do not bring: each with its text."""
+
+from __future__ import annotations
+
+import builtins
+import hashlib
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import matplotlib.figure
+import pinocchio as pin
+import pytest
+from helpers.meshes import arm, dae
+from helpers.ros_messages import small_move
+from helpers.urdf_texts import DRIVES, load, replaced
+
+import puma_septic as ps
+from puma_septic import plots
+from puma_septic.cli import main
+from puma_septic.files import sha256_of, write_new
+from puma_septic.kinematics._chain import _axis
+from puma_septic.ros import read_joint_state
+from puma_septic.testing import assert_trajectory_ok
+from puma_septic.viewer import server
+
+ROBOT = ps.load_robot()
+MOTOR = ps.Motor(name="M", rotor_inertia=1e-4, peak_torque=1.0, continuous_torque=0.5, max_speed=400.0)
+GEARBOX = ps.Gearbox(name="G", ratio=100.0, efficiency=0.8)
+ONE_JOINT = ps.Limits(position=[[-1.0, 1.0]], velocity=[1.0], acceleration=[1.0], jerk=[1.0], effort=[1.0])
+SKEW = [[1.0, 0.1, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda: ps.Catalogue(motors=[MOTOR], gearboxes=[GEARBOX], drives=[ps.Drive(), ps.Drive()]),
+            "2 drives for 1 motors: expected one of each",
+        ),
+        (lambda: ps.Actuator(gear_ratio=0.0), "gear_ratio = 0: the ratio of motor speed to joint speed cannot be zero"),
+        (lambda: replace(ROBOT, drivetrains=ROBOT.drivetrains[:1]), "actuators: 1 given for 6 joints"),
+        (
+            lambda: replace(ROBOT, limits=ONE_JOINT),
+            "limits: given for 1 joints, the arm has 6",
+        ),
+        (lambda: ps.Payload(mass=1.0, inertia=SKEW), "a payload's inertia matrix must be symmetric"),
+        (lambda: replace(small_move(ROBOT), resolution=-1e-6), r"resolution = -1e-06: must be at least 0"),
+        (
+            lambda: small_move(ROBOT).position.positive_spans(),
+            "positive_spans: one component is needed, the function has 6",
+        ),
+        (lambda: write_new("a\0b", ""), r"'a\\x00b': cannot be written: embedded null"),
+        (lambda: sha256_of(Path("none")), "none: cannot be read: .*No such file"),
+        (lambda: ps.load_task(f"{300 * 'a'}.yaml"), "cannot read this task file: .*name too long"),
+    ],
+)  # fmt: skip
+def test_values_and_files(call: Callable[[], Any], message: str) -> None:
+    with pytest.raises(ps.InputError, match=message):
+        call()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('tool = "tip"', "tool = 5", r"tool = 5 is not text"),
+        ("com = [0.0, 0.0, 0.25]", "", r"links\.fore: com is missing"),
+    ],
+)
+def test_actuator_files(old: str, new: str, message: str, tmp_path: Path) -> None:
+    with pytest.raises(ps.ModelError, match=message):
+        load(tmp_path, drives=replaced(old, new, DRIVES), parameters="worn")
+
+
+def test_an_actuator_file_without_a_set(tmp_path: Path) -> None:
+    with pytest.raises(ps.ModelError, match=r"no parameter set; expected a table \[parameters\.NAME\.joints\.JOINT\]"):
+        load(tmp_path, drives='schema = 1\nrobot = "arm"\n')
+
+
+def test_a_mesh_file_with_a_document_type(tmp_path: Path) -> None:
+    """Its entities could grow without end."""
+    path = dae(tmp_path / "fore.dae", "fore.png")
+    path.write_text(path.read_text().replace("<COLLADA", "<!DOCTYPE COLLADA>\n<COLLADA", 1))
+    with pytest.raises(ps.ModelError, match=r"a document type \(DOCTYPE\) is not allowed in a mesh file"):
+        _ = load(tmp_path, arm("fore.dae")).visual_model
+
+
+def test_a_mesh_file_that_goes_on_after_its_end(tmp_path: Path) -> None:
+    """Pinocchio's reader takes it."""
+    path = dae(tmp_path / "fore.dae", "fore.png")
+    path.write_text(path.read_text() + "<more/>")
+    with pytest.raises(ps.ModelError, match="not well-formed XML: junk after document element"):
+        _ = load(tmp_path, arm("fore.dae")).visual_model
+
+
+def test_joints_that_no_urdf_has() -> None:
+    """Pinocchio knows joints that turn and slide at once; a chain of ours has none."""
+    model = pin.Model()
+    model.addJoint(0, pin.JointModelHZ(0.1), pin.SE3.Identity(), "screw")
+    model.addJoint(0, pin.JointModelSpherical(), pin.SE3.Identity(), "ball")
+    with pytest.raises(ps.ModelError, match="joint 'screw': a screw joint; only revolute and prismatic joints"):
+        _axis(model, 1)
+    with pytest.raises(ps.ModelError, match="joint 'ball': 3 degrees of freedom; only revolute and prismatic joints"):
+        _axis(model, 2)
+
+
+# ---- ROS
+
+
+def test_a_state_file_of_two_documents(tmp_path: Path) -> None:
+    state = "name: [a]\nposition: [0.0]\n---\n"
+    (tmp_path / "state.yaml").write_text(2 * state, encoding="utf-8")
+    with pytest.raises(ps.InputError, match=r"one JointState is expected, it has 2 documents"):
+        read_joint_state(tmp_path / "state.yaml")
+
+
+def test_a_bag_without_the_package_that_reads_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An optional dependency: the message says how to get it."""
+    (tmp_path / "a.mcap").write_bytes(b"\x89MCAP0\r\n")
+    real = builtins.__import__
+
+    def without_rosbags(name: str, *rest: Any) -> Any:
+        if name.startswith("rosbags"):
+            raise ModuleNotFoundError(f"No module named {name!r}", name="rosbags")
+        return real(name, *rest)
+
+    monkeypatch.delitem(__import__("sys").modules, "puma_septic.ros._bags", raising=False)
+    monkeypatch.setattr(builtins, "__import__", without_rosbags)
+    with pytest.raises(ps.InputError, match=r'with the package rosbags: pip install "puma-septic\[ros\]"'):
+        ps.read_joint_trajectory(tmp_path / "a.mcap", ROBOT)
+
+
+def test_points_that_are_one_in_whole_nanoseconds(tmp_path: Path) -> None:
+    move = ps.profiles.linear([[0.0], [1e-12], [2e-12]], [0.0, 1e-10, 1.0], joint_names=("a",))
+    with pytest.raises(ps.InputError, match=r"points at 0 s and 1e-10 s are one in the message's nanoseconds"):
+        ps.write_joint_trajectory(tmp_path / "a.yaml", move)
+
+
+def test_a_trajectory_that_may_not_go_to_the_robot_fails_a_test(tmp_path: Path) -> None:
+    path = ps.write_joint_trajectory(tmp_path / "fast.yaml", small_move(ROBOT, 0.4))
+    with pytest.raises(AssertionError, match=r"fast\.yaml: violated"):
+        assert_trajectory_ok(path, ROBOT)
+
+
+# ---- at the edge
+
+
+def test_axes_that_are_no_more() -> None:
+    axes = matplotlib.figure.Figure().subplots(6)
+    axes[0].remove()
+    with pytest.raises(ps.InputError, match="ax: these axes have been removed from their figure"):
+        plots.plot_torque(ps.assess(ROBOT, small_move(ROBOT)), ax=axes)
+
+
+def test_a_machine_that_opens_no_port(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object) -> None:
+        raise OSError("Too many open files")
+
+    monkeypatch.setattr(server, "_Server", refuse)
+    with pytest.raises(ps.InputError, match=r"no port of 127\.0\.0\.1 can be opened: Too many open files"):
+        server.serve_page("<p>")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["optimise", "task.yaml"], "profile 'double_s' finds its own times; there are no via times to choose"),
+        (["replay", "--csv", "log.csv", "--profile", "septic"], "--profile does not go with --csv"),
+        (["size", "--csv", "log.csv", "--profile", "septic"], "--profile does not go with --csv"),
+    ],
+)
+def test_command_lines(
+    arguments: list[str],
+    message: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    points = "\n".join(f"  - {{joints: [{0.1 * k}, 0, 0, 0, 0, 0]}}" for k in range(3))
+    limits = "{name: double_s, max_velocity: 1, max_acceleration: 1, max_jerk: 1}"
+    text = f"name: x\npoints:\n{points}\ntimes: [0, 1, 2]\nprofiles: [{limits}]\n"
+    Path("task.yaml").write_text(text, encoding="utf-8")
+    Path("log.csv").write_text("t,joint1\n0,0\n1,1\n", encoding="utf-8")
+    assert main(arguments) == 2
+    assert message in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_digest_is_that_of_the_bytes(tmp_path: Path) -> None:
+    (tmp_path / "a").write_bytes(b"abc")
+    assert sha256_of(tmp_path / "a") == hashlib.sha256(b"abc").hexdigest()

@@ -237,7 +237,12 @@ class Piecewise:
 
     def stepwise(self, values: ArrayLike) -> Piecewise:
         """The function that is constant on each interval of this one, values of shape (n, p)."""
-        return self._with(np.array(values, dtype=np.float64).reshape(1, len(self.offsets) - 1, -1))
+        values = np.array(values, dtype=np.float64)
+        if values.ndim != 2 or len(values) != len(self.offsets) - 1:
+            raise InputError(
+                f"values: shape {values.shape} is not ({len(self.offsets) - 1}, p), a row for each interval"
+            )
+        return self._with(values[None])
 
     def trimmed(self, part: float) -> Piecewise:
         """Without the last coefficients that are all below this part of the largest of their component."""

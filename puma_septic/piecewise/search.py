@@ -293,47 +293,51 @@ def _changes(control: Array, noise: Array) -> tuple[Index, Array, Flags]:
 def _zeros(series: Array, bracket: Array, values: Array) -> Array:
     """The only zero of each series (column) in its bracket (2, k), from values of opposite sign (2, k) at its ends.
 
-    By theta, in which ``sum c_k cos(k theta)`` and its slope are two products with ``exp(i k theta)``: Newton's method
-    from where the chord is zero; where that does not converge within the bracket, Newton and bisection.
+    Newton's method from where the chord is zero; where that does not converge within the bracket, Newton and bisection.
     """
     if not series.shape[1]:
         return np.empty(0)
-    order = np.arange(len(series)) * 1j
-    both = np.array([series, series * order[:, None]])
-    chord = (bracket[0] * values[1] - bracket[1] * values[0]) / (values[1] - values[0])
-    high, theta, low = np.arccos([bracket[0], np.minimum(np.maximum(chord, bracket[0]), bracket[1]), bracket[1]])
-    near = _LAST_STEP * (high - low)
+    both = (matrices.state_matrix(len(series) - 1, 1) @ series).reshape(2, *series.shape)
+    left, right = bracket
+    x = (left * values[1] - right * values[0]) / (values[1] - values[0])
+    x = np.minimum(np.maximum(x, left), right)
+    near = _LAST_STEP * (right - left)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # a slope of zero is left to bisection
         for _ in range(_NEWTON_STEPS):
-            value, slope = (both * np.exp(np.multiply.outer(order, theta))).sum(axis=1).real
+            value, slope = _value_and_slope(both, x)
             step = value / slope
-            theta = np.minimum(np.maximum(theta - step, low), high)
+            x = np.minimum(np.maximum(x - step, left), right)
             found = np.abs(step) <= near
             if found.all():
                 break
         else:
             rest = ~found
-            theta[rest] = _bisected(both[:, :, rest], low[rest], high[rest], values[1, rest] > 0)
-    return np.asarray(np.cos(theta))
+            x[rest] = _bisected(both[:, :, rest], left[rest], right[rest], values[1, rest] > 0)
+    return x
 
 
-def _bisected(both: Array, low: Array, high: Array, rising: Flags) -> Array:
-    """Theta of the zeros, by Newton's method within brackets that shrink, and bisection where it leaves them."""
-    order = np.arange(both.shape[1]) * 1j
-    noise, near = _EPS * np.abs(both[0]).sum(axis=0), _LAST_STEP * (high - low)
-    theta = (low + high) / 2
+def _value_and_slope(both: Array, x: Array) -> Array:
+    """Of series and their derivatives (2, degree + 1, k), each at its own point, shape (2, k)."""
+    order = np.arange(both.shape[1])[:, None]
+    return np.asarray((both * np.cos(order * np.arccos(x))).sum(axis=1))
+
+
+def _bisected(both: Array, left: Array, right: Array, rising: Flags) -> Array:
+    """The zeros, by Newton's method within brackets that shrink, and bisection where it leaves them."""
+    noise, near = _EPS * np.abs(both[0]).sum(axis=0), _LAST_STEP * (right - left)
+    x = (left + right) / 2
     for _ in range(_STEPS):
-        value, slope = (both * np.exp(np.multiply.outer(order, theta))).sum(axis=1).real
-        above = (value > 0) == rising
-        low, high = np.where(above, theta, low), np.where(above, high, theta)
-        newton = theta - value / slope
-        following = np.where((newton >= low) & (newton <= high), newton, (low + high) / 2)
-        following = np.where(np.abs(value) <= noise, theta, following)
-        moving = np.abs(following - theta) > near
-        theta = following
+        value, slope = _value_and_slope(both, x)
+        beyond = (value > 0) == rising
+        left, right = np.where(beyond, left, x), np.where(beyond, x, right)
+        newton = x - value / slope
+        following = np.where((newton >= left) & (newton <= right), newton, (left + right) / 2)
+        following = np.where(np.abs(value) <= noise, x, following)
+        moving = np.abs(following - x) > near
+        x = following
         if not moving.any():
             break
-    return theta
+    return np.asarray(x)
 
 
 def _values_at(series: Array, x: Array) -> Array:

@@ -313,7 +313,7 @@ def _zeros(series: Array, bracket: Array, values: Array) -> Array:
         else:
             rest = ~found
             x[rest] = _bisected(both[:, :, rest], left[rest], right[rest], values[1, rest] > 0)
-    return x
+    return np.asarray(x)
 
 
 def _value_and_slope(both: Array, x: Array) -> Array:

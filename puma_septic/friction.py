@@ -22,7 +22,7 @@ __all__ = [
     "ROUNDING",
     "Friction",
     "checked_levels",
-    "friction_along",
+    "dry_friction_along",
     "friction_terms",
     "loss",
     "loss_along",
@@ -30,7 +30,7 @@ __all__ = [
 ]
 
 FRICTION_TERMS: Final = ("viscous", "coulomb")
-"""The parts of a friction torque, as `friction_terms` and `friction_along` name them; "coulomb" is all dry friction."""
+"""The parts of a friction torque, as `friction_terms` names them; "coulomb" is all dry friction."""
 
 
 ROUNDING: Final = 1e-11
@@ -205,8 +205,8 @@ class Friction:
         Piecewise
             With breaks of its own where Stribeck friction has any.
         """
-        terms = friction_along((self,), velocity, velocity.stepwise(np.asarray(moving)[:, None]))
-        return terms["viscous"] + terms["coulomb"]
+        dry = dry_friction_along((self,), velocity, velocity.stepwise(np.asarray(moving)[:, None]))
+        return velocity * _law((self,)).viscous + dry
 
 
 def checked_levels(name: str, value: ArrayLike) -> Array:
@@ -270,8 +270,8 @@ def friction_terms(laws: Sequence[Friction], velocity: Array, moving: Array) -> 
     return {"viscous": law.viscous * velocity, "coulomb": dry}
 
 
-def friction_along(laws: Sequence[Friction], velocity: Piecewise, direction: Piecewise) -> dict[str, Piecewise]:
-    """The same along a motion, exactly.
+def dry_friction_along(laws: Sequence[Friction], velocity: Piecewise, direction: Piecewise) -> Piecewise:
+    """Dry friction along a motion, exactly: the term "coulomb" of `friction_terms`.
 
     Parameters
     ----------
@@ -282,7 +282,7 @@ def friction_along(laws: Sequence[Friction], velocity: Piecewise, direction: Pie
 
     Returns
     -------
-    dict of str to Piecewise
+    Piecewise
     """
     law, ways = _law(tuple(laws)), direction.coefficients[0]
     dry = direction.stepwise(law.dry(law.coulomb, ways))
@@ -292,7 +292,7 @@ def friction_along(laws: Sequence[Friction], velocity: Piecewise, direction: Pie
         turns = [velocity[j].derivative().roots()[0] for j in sticky]
         split = velocity.aligned_with(direction).split(np.concatenate(turns))
         dry = dry + split.mapped(law.decay) * direction.stepwise(law.dry(law.excess, ways))
-    return {"viscous": velocity * law.viscous, "coulomb": dry}
+    return dry
 
 
 def loss(transmission: Array, load: Array, moving: Array) -> Array:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from puma_septic.dynamics import TorqueTerms, rigid_terms, rigid_torque, smooth_torque
 from puma_septic.errors import InputError, PumaSepticError
-from puma_septic.friction import friction_along, loss_along
+from puma_septic.friction import dry_friction_along, loss_along
 from puma_septic.piecewise import Piecewise
 from puma_septic.quantities import QUANTITIES
 from puma_septic.robot import Robot
@@ -192,7 +192,7 @@ def compute_motion(robot: Robot, trajectory: Trajectory) -> Motion:
         smooth = trajectory.state.mapped(torque_of)
     except PumaSepticError as error:
         raise InputError(_why_not_resolved(robot, trajectory)) from error
-    coulomb = _friction(robot, trajectory, smooth)["coulomb"]
+    coulomb = _dry_friction(robot, trajectory, smooth)
     torque = (smooth + coulomb).trimmed(_NEGLIGIBLE)
     return Motion(
         robot=robot,
@@ -204,13 +204,13 @@ def compute_motion(robot: Robot, trajectory: Trajectory) -> Motion:
     )
 
 
-def _friction(robot: Robot, trajectory: Trajectory, smooth: Piecewise) -> dict[str, Piecewise]:
-    """Friction by cause; the gears carry all of the smooth torque but viscous friction and the rotors'."""
-    terms = friction_along(robot.friction, trajectory.derivative(1), trajectory.direction)
-    if robot.has_losses:
-        load = smooth - terms["viscous"] - trajectory.derivative(2) * robot.armature
-        terms["coulomb"] = terms["coulomb"] + loss_along(robot.transmission, load, trajectory.direction)
-    return terms
+def _dry_friction(robot: Robot, trajectory: Trajectory, smooth: Piecewise) -> Piecewise:
+    """Of the joints and their gears, which carry all of the smooth torque but viscous friction and the rotors'."""
+    dry = dry_friction_along(robot.friction, trajectory.derivative(1), trajectory.direction)
+    if not robot.has_losses:
+        return dry
+    load = smooth - trajectory.derivative(1) * robot.viscous_friction - trajectory.derivative(2) * robot.armature
+    return dry + loss_along(robot.transmission, load, trajectory.direction)
 
 
 def _check_joints(robot: Robot, trajectory: Trajectory) -> None:
@@ -255,4 +255,4 @@ def _split_torque(motion: Motion) -> TorqueTerms[Piecewise]:
     parts = {name: fitted[k * n : (k + 1) * n] for k, name in enumerate(names)}
     viscous = trajectory.derivative(1) * robot.viscous_friction
     smooth = functools.reduce(operator.add, parts.values(), viscous)
-    return TorqueTerms(**parts, **_friction(robot, trajectory, smooth))
+    return TorqueTerms(**parts, viscous=viscous, coulomb=_dry_friction(robot, trajectory, smooth))

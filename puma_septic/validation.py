@@ -57,7 +57,7 @@ def checked_array(
     if not fits:
         raise InputError(f"{name}: shape {array.shape} is not {_describe(shape)}")
     valid = ~np.isinf(array) if allow_nan else np.isfinite(array)
-    if not valid.all():
+    if np.count_nonzero(valid) < valid.size:
         index = tuple(int(i) for i in np.argwhere(~valid)[0])
         where = f"[{', '.join(map(str, index))}]" if index else ""
         suffix = f" {unit}" if unit else ""

@@ -62,7 +62,8 @@ def joint_metrics(motion: Motion, dwell: float) -> JointMetrics:
     trajectory = motion.trajectory
     cycle = trajectory.duration + dwell
     (v, t_v), (a, t_a), (j, t_j) = (trajectory.peak(order) for order in (1, 2, 3))
-    _, rms_v, rms_a, rms_j = np.sqrt(trajectory.state.inner(trajectory.state) / cycle).reshape(4, -1)
+    rms = np.sqrt(trajectory.state.inner(trajectory.state) / cycle).reshape(4, -1)[1:]
+    rms_v, rms_a, rms_j = np.where(np.isinf([v, a, j]), np.inf, rms)
     whole = _with_rest(motion, dwell)
     torque, known = whole.extrema(), motion.robot.knows_torque
     peak_torque_time = torque.t_peak
@@ -81,9 +82,9 @@ def joint_metrics(motion: Motion, dwell: float) -> JointMetrics:
         peak_torque=_where_known(known, np.where(is_impulsive, np.inf, torque.peak)),
         peak_torque_time=_where_known(known, np.where(is_impulsive, impulse_time, peak_torque_time)),
         peak_torque_sign=np.where(is_impulsive, impulse_sign, np.where(negative, -1.0, 1.0)),
-        rms_velocity=np.where(np.isinf(v), np.inf, rms_v),
-        rms_acceleration=np.where(np.isinf(a), np.inf, rms_a),
-        rms_jerk=np.where(np.isinf(j), np.inf, rms_j),
+        rms_velocity=rms_v,
+        rms_acceleration=rms_a,
+        rms_jerk=rms_j,
         rms_torque=_where_known(known, np.where(is_impulsive, np.inf, whole.rms())),
     )
     _freeze(metrics.values())

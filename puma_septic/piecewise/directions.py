@@ -48,7 +48,9 @@ def find_directions(position: Piecewise, turns: Array, resolution: Array) -> Pie
     function = position.from_zero()
     times = np.sort(np.concatenate([function.offsets, turns]))
     allowed = np.maximum(STILL, resolution).tolist()
-    turned = [_turning_points(times, *pair) for pair in zip(function(times).T.tolist(), allowed, strict=True)]
+    turned = [
+        _turning_points(times, *pair) for pair in zip(function.at_offsets(times).T.tolist(), allowed, strict=True)
+    ]
     recorded = np.flatnonzero(resolution)
     rests = [_recorded_rests(function[int(j)], float(resolution[j])) for j in recorded]
     unit = function.stepwise(np.ones((len(function.lengths), 1)))

@@ -81,8 +81,8 @@ def fit_series(sample: Sampler, offsets: Array, tolerance: float, *, start: floa
             small, noise = _converged(series, scale, tolerance)
             good: NDArray[np.bool_] = np.all(small | noise, axis=1)
             noisy = noisy | (noise & ~small)[good].any(axis=0)
-            done += zip(pending.some(good).starts(offsets).tolist(), np.moveaxis(series[:, good], 1, 0), strict=True)
-            n_samples += len(values) * int(good.sum())
+            done += zip(pending.some(good).starts(offsets).tolist(), series[:, good].transpose(1, 0, 2), strict=True)
+            n_samples += len(values) * int(np.count_nonzero(good))
             pending, values, series = pending.some(~good), values[:, ~good], series[:, ~good]
             if not len(pending.piece):
                 break

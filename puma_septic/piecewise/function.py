@@ -281,12 +281,15 @@ class Piecewise:
         if not inside.all():
             worst = flat[np.argmin(inside)]
             raise InputError(f"t = {worst:.9g} s is outside the span [{self.breaks[0]:.9g}, {self.breaks[-1]:.9g}] s")
-        since = np.minimum(flat - self.start, self.duration)
-        piece = np.searchsorted(self.offsets[1:-1], since, side="right") if len(self.offsets) > 2 else 0
-        left, right = self.offsets[piece], self.offsets[piece + 1]
-        x = (2 * since - (left + right)) / (right - left)
-        values = _evaluated(matrices.basis_at(x, self.degree), self.coefficients, piece)
+        values = self.at_offsets(np.minimum(flat - self.start, self.duration))
         return values.reshape(*times.shape, self.n_components)
+
+    def at_offsets(self, offsets: Array) -> Array:
+        """Values (k, m) at times (k,) since the start, from 0 to the duration."""
+        piece = self.offsets[1:-1].searchsorted(offsets, side="right") if len(self.offsets) > 2 else 0
+        left, right = self.offsets[piece], self.offsets[piece + 1]
+        x = (2 * offsets - (left + right)) / (right - left)
+        return _evaluated(matrices.basis_at(x, self.degree), self.coefficients, piece)
 
     def power_coefficients(self) -> Array:
         """Coefficients of powers of ``t - breaks[i]`` on each interval, ascending, shape (n, degree + 1, m).

@@ -130,8 +130,8 @@ REFUSED_WITHOUT_REASON = {
         '<link name="loose"/></robot>',
         r"2 links are child of no joint \(base, loose\)",
     ),
-    "self": ('<parent link="fore"/>', '<parent link="tip"/>', "links tip form a cycle"),
-    "no root": ('<parent link="base"/>', '<parent link="tip"/>', "links upper, fore, tip form a cycle"),
+    "self": ('<parent link="fore"/>', '<parent link="tip"/>', "links tip form a loop"),
+    "no root": ('<parent link="base"/>', '<parent link="tip"/>', "links upper, fore, tip form a loop"),
     "unknown link": (
         '<parent link="fore"/>',
         '<parent link="for"/>',

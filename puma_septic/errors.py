@@ -5,9 +5,11 @@ A violated limit is not among them: it is the answer of an assessment.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from difflib import get_close_matches
 from typing import Any
 
-__all__ = ["InputError", "ModelError", "NoSolution", "PumaSepticError"]
+__all__ = ["InputError", "ModelError", "NoSolution", "PumaSepticError", "did_you_mean"]
 
 
 class PumaSepticError(Exception):
@@ -37,3 +39,16 @@ class NoSolution(PumaSepticError):
         super().__init__(message)
         self.residual = residual
         self.q = q
+
+
+def did_you_mean(unknown: Iterable[str], valid: Iterable[str]) -> str:
+    """Return the end of a message about unknown names: the valid ones that are near; empty where there are none.
+
+    Examples
+    --------
+    >>> did_you_mean(["septc"], ["lspb", "septic"]), did_you_mean(["x"], ["lspb", "septic"])
+    ("; did you mean 'septic'?", '')
+    """
+    names = list(valid)
+    near = [match for name in unknown for match in get_close_matches(name, names, n=1, cutoff=0.7)]
+    return f"; did you mean {', '.join(map(repr, near))}?" if near else ""

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from puma_septic.errors import InputError
+from puma_septic.errors import InputError, did_you_mean
 
 __all__ = ["Array", "checked_array", "checked_choice", "checked_number", "checked_times", "read_only"]
 
@@ -104,7 +104,8 @@ def checked_choice(name: str, value: str, valid: Iterable[str]) -> str:
     """Return `value` if it is one of the valid names, which the message lists otherwise."""
     names = list(valid)
     if value not in names:
-        raise InputError(f"unknown {name} {value!r}; valid: {', '.join(map(repr, names))}")
+        meant = did_you_mean([value], names) if isinstance(value, str) else ""
+        raise InputError(f"unknown {name} {value!r}; valid: {', '.join(map(repr, names))}{meant}")
     return value
 
 

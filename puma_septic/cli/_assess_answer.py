@@ -33,7 +33,7 @@ def answer(arguments: Namespace) -> Answer:
         parts = [assessed_text(*asked[0], arguments.margin), *(turned_text(*one) for one in shown[1:])]
         text = "\n\n".join(parts)
     if arguments.out is not None:
-        _write_folder(arguments.out, shown, png=not arguments.no_png)
+        _write_folder(arguments, shown)
     is_feasible = not any(one.keeps(arguments.margin) for one in asked[0][1])
     return Answer(text, 0 if is_feasible else 1)
 
@@ -43,13 +43,13 @@ def _assessed(arguments: Namespace, default: str) -> Assessed:
     return resolved, assess_task(resolved)
 
 
-def _write_folder(path: str, shown: Sequence[Assessed], *, png: bool) -> None:
+def _write_folder(arguments: Namespace, shown: Sequence[Assessed]) -> None:
     """Report, document and table of all, and for each task samples and figures in a folder of its own."""
     # Templates and the replay's libraries take longer to load than an assessment takes; matplotlib far longer.
     from puma_septic.report.page import tasks_html
     from puma_septic.report.svg import write_svg
 
-    with new_folder(path) as folder:
+    with new_folder(arguments.out, overwrite=arguments.force) as folder:
         (folder / "report.html").write_text(tasks_html(shown), encoding="utf-8")
         (folder / "assessment.json").write_text(to_json(assess_document(shown)), encoding="utf-8")
         (folder / "metrics.csv").write_text(metrics_csv(shown), encoding="utf-8")
@@ -61,7 +61,7 @@ def _write_folder(path: str, shown: Sequence[Assessed], *, png: bool) -> None:
                 (inner / f"samples-{label}.csv").write_text(samples_csv(assessment), encoding="utf-8")
             pictures = assessment_pictures(assessments, labels)
             write_svg(inner, pictures)
-            if png:
+            if not arguments.no_png:
                 from puma_septic.report.figures import write_png
 
                 write_png(inner, pictures)

@@ -64,7 +64,7 @@ def run(arguments: Namespace) -> Answer:
         comparison, title, code = _compared(resolved, arguments), resolved.task.name, 0
         head = f"Task {resolved.task.name!r}, robot {resolved.robot.name!r}"
     if arguments.out is not None:
-        _write_folder(arguments.out, comparison, f"{title}: profiles compared")
+        _write_folder(arguments, comparison, f"{title}: profiles compared")
     if arguments.format == "json":
         return Answer(to_json(comparison.to_dict()), code)
     if arguments.format == "csv":
@@ -72,7 +72,7 @@ def run(arguments: Namespace) -> Answer:
     return Answer(f"{head}\n\n{comparison}", code)
 
 
-def _write_folder(path: str, comparison: Comparison, title: str) -> None:
+def _write_folder(arguments: Namespace, comparison: Comparison, title: str) -> None:
     """Report, document, table and figure."""
     # Templates and matplotlib take longer to load than everything else takes to compute.
     from puma_septic.pictures.comparison import comparison_picture
@@ -81,7 +81,7 @@ def _write_folder(path: str, comparison: Comparison, title: str) -> None:
     from puma_septic.report.page import report_html
     from puma_septic.report.svg import write_svg
 
-    with new_folder(path) as folder:
+    with new_folder(arguments.out, overwrite=arguments.force) as folder:
         (folder / "comparison.json").write_text(to_json(comparison.to_dict()), encoding="utf-8")
         (folder / "comparison.csv").write_text(comparison.to_csv(), encoding="utf-8")
         (folder / "report.html").write_text(report_html(comparison, title=title), encoding="utf-8")

@@ -92,12 +92,12 @@ def run(arguments: Namespace) -> Answer:
         result = _optimised(resolved, arguments, progress)
     document = to_json(result.to_dict())
     if arguments.out is not None:
-        _write_folder(arguments.out, result, document)
+        _write_folder(arguments, result, document)
     text = document if arguments.format == "json" else f"Task {task.name!r}\n{result}"
     return Answer(text, 0 if _is_feasible(result) else 1)
 
 
-def _write_folder(path: str, result: Result, document: str) -> None:
+def _write_folder(arguments: Namespace, result: Result, document: str) -> None:
     """Document and figure."""
     # matplotlib takes longer to load than most optimisations take.
     from puma_septic.pictures.front import optimisation_picture
@@ -105,7 +105,7 @@ def _write_folder(path: str, result: Result, document: str) -> None:
     from puma_septic.report.figures import write_png
     from puma_septic.report.svg import write_svg
 
-    with new_folder(path) as folder:
+    with new_folder(arguments.out, overwrite=arguments.force) as folder:
         (folder / "optimisation.json").write_text(document, encoding="utf-8")
         pictures = [optimisation_picture(result)]
         write_svg(folder, pictures)

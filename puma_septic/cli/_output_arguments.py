@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser
 
-__all__ = ["add_format", "add_out"]
+__all__ = ["add_force", "add_format", "add_out"]
 
 
 def add_format(parser: ArgumentParser, *formats: str) -> None:
@@ -13,5 +13,11 @@ def add_format(parser: ArgumentParser, *formats: str) -> None:
 
 
 def add_out(parser: ArgumentParser, files: str) -> None:
-    """``--out``, the folder that the named files go to."""
-    parser.add_argument("--out", metavar="DIR", help=f"write {files} into a new folder; nothing is overwritten")
+    """``--out``, the folder that the named files go to, and ``--force``."""
+    parser.add_argument("--out", metavar="DIR", help=f"write {files} into a new or empty folder")
+    add_force(parser, "--out")
+
+
+def add_force(parser: ArgumentParser, option: str) -> None:
+    """``--force``, without which nothing is overwritten."""
+    parser.add_argument("--force", action="store_true", help=f"with {option}: replace files that exist")

@@ -36,7 +36,7 @@ def run(arguments: Namespace) -> Answer:
         from puma_septic.report.figures import save_figure
         from puma_septic.report.page import report_html
 
-        with new_folder(arguments.out) as folder:
+        with new_folder(arguments.out, overwrite=arguments.force) as folder:
             (folder / "paper.json").write_text(document, encoding="utf-8")
             (folder / "paper.txt").write_text(f"{report}\n", encoding="utf-8")
             (folder / "report.html").write_text(report_html(report), encoding="utf-8")

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple, NoReturn, Protocol
 
 from puma_septic._version import __version__
+from puma_septic.errors import did_you_mean
 
 __all__ = ["Answer", "Command", "parse"]
 
@@ -45,7 +46,7 @@ class _Parser(ArgumentParser):
 
 
 def parse(given: Sequence[str], commands: Mapping[str, Command]) -> Namespace:
-    """Arguments of one command, its name in ``command``."""
+    """Arguments of one command, its name in ``command``; without any, the help is printed and the program ends."""
     parser = _Parser(
         prog="puma-septic",
         description="Joint trajectories of robot arms, checked against what the motors can do.",
@@ -56,8 +57,9 @@ def parse(given: Sequence[str], commands: Mapping[str, Command]) -> Namespace:
     parser.add_argument("--version", action="version", version=f"puma-septic {__version__}")
     _add_debug(parser)
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    own: dict[str, _Parser] = {}
     for name, command in commands.items():
-        one = subparsers.add_parser(
+        own[name] = one = subparsers.add_parser(
             name,
             help=command.SUMMARY,
             description=command.DESCRIPTION,
@@ -67,8 +69,27 @@ def parse(given: Sequence[str], commands: Mapping[str, Command]) -> Namespace:
         )
         _add_debug(one)
         command.add_arguments(one)
+    if not given:
+        parser.print_help()
+        parser.exit()
+    _check_command(parser, given, commands)
     # argparse takes -1e-3 (before Python 3.14) and -1,0 for options; after a space it is a value, and the same number.
-    return parser.parse_args([f" {text}" if _NEGATIVE.fullmatch(text) else text for text in given])
+    arguments, unknown = parser.parse_known_args([f" {text}" if _NEGATIVE.fullmatch(text) else text for text in given])
+    if unknown:
+        one = own[arguments.command]
+        meant = did_you_mean(
+            [text.partition("=")[0] for text in unknown],
+            re.findall("--[a-z-]+", one.format_usage()),
+        )
+        one.error(f"unrecognized arguments: {' '.join(unknown)}{meant}")
+    return arguments
+
+
+def _check_command(parser: ArgumentParser, given: Sequence[str], commands: Mapping[str, Command]) -> None:
+    """Refuse an unknown command by a message with the nearest; argparse would list all without it."""
+    name = next((text for text in given if not text.startswith("-")), None)
+    if name is not None and name not in commands:
+        parser.error(f"unknown command {name!r}; valid: {', '.join(commands)}{did_you_mean([name], commands)}")
 
 
 def _add_debug(parser: ArgumentParser) -> None:

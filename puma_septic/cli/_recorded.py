@@ -236,7 +236,7 @@ def _write_folder(arguments: Namespace, assessment: Assessment, document: str, n
     from puma_septic.report.svg import write_svg
 
     pictures = assessment_pictures([assessment], profile_labels([assessment]))
-    with new_folder(arguments.out) as folder:
+    with new_folder(arguments.out, overwrite=arguments.force) as folder:
         (folder / "report.html").write_text(
             report_html(assessment, title=str(arguments.csv), notes=notes), encoding="utf-8"
         )

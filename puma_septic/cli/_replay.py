@@ -6,8 +6,10 @@ import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from contextlib import suppress
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from puma_septic.cli._output_arguments import add_force
 from puma_septic.cli._parser import Answer
 from puma_septic.cli._recording_arguments import add_recording
 from puma_septic.cli._task_arguments import add_payload, add_profile, add_task, asked_task
@@ -38,6 +40,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     add_payload(parser)
     parser.add_argument("--html", metavar="FILE", help="write one HTML file, which works offline, instead of serving")
+    add_force(parser, "--html")
     parser.add_argument("--port", type=int, metavar="N", help="preferred port; if taken, a free one is used")
     parser.add_argument("--no-browser", action="store_true", help="print the address without opening a browser")
     add_recording(parser)
@@ -45,10 +48,13 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> Answer:
     """Write the replay to a file, or serve it until Ctrl-C."""
+    from puma_septic.errors import InputError
     from puma_septic.viewer import replay, write_replay
 
     assessments, title = _shown(arguments)
     if arguments.html is not None:
+        if Path(arguments.html).exists() and not arguments.force:
+            raise InputError(f"{arguments.html} exists; name another file, or --force replaces it")
         path = write_replay(arguments.html, assessments, title=title)
         return Answer(f"{path}: {path.stat().st_size / 1e6:.1f} MB, works offline; open it in a browser", 0)
     wanted = False if arguments.no_browser else None

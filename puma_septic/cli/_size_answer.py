@@ -37,7 +37,7 @@ def answer(arguments: Namespace) -> Answer:
     cycle = asked.cycle
     found = _own_sizing(arguments, cycle) if arguments.catalogue is None else _selection(arguments, cycle)
     if arguments.out is not None:
-        _write_folder(arguments.out, found, f"{asked.name}: sizing")
+        _write_folder(arguments, found, f"{asked.name}: sizing")
     return Answer(_text(arguments, asked, found), asked.code or (0 if found.is_feasible else 1))
 
 
@@ -151,10 +151,10 @@ def _more(found: Sizing | Selection) -> list[str]:
     return ["The first pair of each joint:", wrapped(str(found.sizing))]
 
 
-def _write_folder(path: str, found: Sizing | Selection, title: str) -> None:
+def _write_folder(arguments: Namespace, found: Sizing | Selection, title: str) -> None:
     """Report, document, one table of checks, one of pairs, a load profile per motor, and figures."""
     sizing = found if isinstance(found, Sizing) else found.sizing
-    with new_folder(path) as folder:
+    with new_folder(arguments.out, overwrite=arguments.force) as folder:
         (folder / "sizing.json").write_text(to_json(found.to_dict()), encoding="utf-8")
         if isinstance(found, Selection):
             (folder / "pairs.csv").write_text(pairs_csv(found), encoding="utf-8")

@@ -14,7 +14,7 @@ __all__ = ["new_folder"]
 
 
 @contextmanager
-def new_folder(path: str | Path) -> Iterator[Path]:
+def new_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
     """A folder to write into, which takes its name when all is written.
 
     What is yielded is a hidden folder beside the wanted one; it is renamed at the end, and removed if anything goes
@@ -24,29 +24,36 @@ def new_folder(path: str | Path) -> Iterator[Path]:
     ----------
     path : str or Path
         A folder that does not exist, or is empty; its parent must exist.
+    overwrite : bool
+        Whether the folder may have content. Files of the same names are replaced, all others stay.
 
     Raises
     ------
     InputError
-        If the folder has content, which is never overwritten, or cannot be written.
+        If the folder has content, which is overwritten only on request, or cannot be written.
     """
-    target = _checked(Path(path))
+    target = _checked(Path(path), overwrite=overwrite)
     partial = target.parent / f".{target.name}.{token_hex(4)}.part"
     try:
         partial.mkdir()
         yield partial
-        partial.replace(target)  # of an empty folder as well; one that has been filled meanwhile is refused
+        if overwrite and target.is_dir():
+            shutil.copytree(partial, target, dirs_exist_ok=True)
+        else:
+            partial.replace(target)  # of an empty folder as well; one that has been filled meanwhile is refused
     except OSError as error:
         raise InputError(f"cannot write the folder {path}: {error.strerror or error}") from error
     finally:
         shutil.rmtree(partial, ignore_errors=True)
 
 
-def _checked(path: Path) -> Path:
+def _checked(path: Path, *, overwrite: bool) -> Path:
     try:
         target = path.resolve()
-        if target.is_dir() and any(target.iterdir()):
-            raise InputError(f"the folder {path} is not empty; nothing in it is overwritten, name another one")
+        if target.is_dir() and any(target.iterdir()) and not overwrite:
+            raise InputError(
+                f"the folder {path} is not empty; nothing in it is overwritten without --force; or name another one"
+            )
         if target.exists() and not target.is_dir():
             raise InputError(f"{path} is a file; name a folder that does not exist yet")
         if not target.parent.is_dir():

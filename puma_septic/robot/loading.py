@@ -12,7 +12,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from puma_septic.drives import Drivetrain
-from puma_septic.errors import InputError, ModelError
+from puma_septic.errors import InputError, ModelError, did_you_mean
 from puma_septic.robot.actuator_file import ActuatorFile, ParameterSet, read_actuator_file
 from puma_septic.robot.meshes import confined_geometry
 from puma_septic.robot.model import Robot
@@ -141,7 +141,8 @@ def _paths(source: str | Path, actuators: str | Path | None) -> tuple[Path, Path
             return folder / f"{source}.urdf", given or folder / f"{source}_actuators.toml"
         if Path(source).name == source and not source.endswith(".urdf"):
             names = ", ".join(map(repr, BUILT_IN))
-            raise InputError(f"unknown robot {source!r}; valid: {names}, or the path of a .urdf file")
+            meant = did_you_mean([source], BUILT_IN)
+            raise InputError(f"unknown robot {source!r}; valid: {names}, or the path of a .urdf file{meant}")
     return Path(source), given
 
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Iterable, Sequence
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, Final
 
-from puma_septic.errors import ModelError
+from puma_septic.errors import ModelError, did_you_mean
 from puma_septic.robot.urdf_text import read_utf8
 
 __all__ = ["read_toml", "table"]
@@ -71,8 +70,7 @@ def table(value: object, where: str, keys: Sequence[str] | None = None, *, kind:
     unknown = [key for key in value if keys is not None and key not in keys]
     if keys is None or not unknown:
         return value
-    near = [match for key in unknown for match in get_close_matches(key, keys, n=1, cutoff=0.7)]
-    meant = f"; did you mean {', '.join(map(repr, near))}?" if near else ""
+    meant = did_you_mean(unknown, keys)
     raise ModelError(f"{where}: unknown {kind} {', '.join(map(repr, unknown))}; valid: {', '.join(keys)}{meant}")
 
 

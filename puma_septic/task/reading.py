@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from pydantic import ValidationError
 
-from puma_septic.errors import InputError
+from puma_septic.errors import InputError, did_you_mean
 from puma_septic.files import decoded, read_bytes, yaml_documents
 from puma_septic.task.schema import LIST, NUMBER, OWN_WORDS, Task, shortened
 
@@ -57,7 +57,9 @@ def load_task(source: str | Path) -> Task:
         names = task_names()
         if source not in names:
             valid = ", ".join(map(repr, names))
-            raise InputError(f"unknown task {source!r}; valid: {valid}, or the path of a .yaml file")
+            raise InputError(
+                f"unknown task {source!r}; valid: {valid}, or the path of a .yaml file{did_you_mean([source], names)}"
+            )
         path = _FOLDER / f"{source}.yaml"
         return parse_task(_read(path), origin=f"built-in task {source!r}", folder=_FOLDER)
     return parse_task(_read(path), origin=str(path), folder=path.resolve().parent)

@@ -25,6 +25,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from puma_septic import profiles
+from puma_septic.errors import did_you_mean
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["Point", "ProfileChoice", "Task", "shortened"]
@@ -95,7 +96,8 @@ class Section(BaseModel):
             raise _fault(f"expected a mapping with keys among: {valid}; got {shortened(data)}")
         for key in data:
             if key not in cls.model_fields:
-                raise _fault(f"unknown key {shortened(key)}; valid: {valid}")
+                meant = did_you_mean([str(key)], cls.model_fields)
+                raise _fault(f"unknown key {shortened(key)}; valid: {valid}{meant}")
         return data
 
 
@@ -189,7 +191,8 @@ class ProfileChoice(Section):
             raise _fault(f"expected a profile's name, or a mapping with the key name; got {shortened(data)}")
         name = data["name"]
         if name not in profiles.names():
-            raise _fault(f"unknown profile {name!r}; valid: {', '.join(sorted(profiles.names()))}")
+            valid = sorted(profiles.names())
+            raise _fault(f"unknown profile {name!r}; valid: {', '.join(valid)}{did_you_mean([name], valid)}")
         options = {key: value for key, value in data.items() if key != "name"}
         _check_options(name, options, profiles.family(name).function)
         return {"name": name, "options": options}

@@ -185,7 +185,7 @@ def test_out_overwrites_nothing(joints: str, tmp_path: Path, capsys: pytest.Capt
     assert main(["assess", joints, "--out", str(tmp_path)]) == 2
     out, err = capsys.readouterr()
     assert out == ""
-    assert "is not empty; nothing in it is overwritten" in err
+    assert "is not empty; nothing in it is overwritten without --force" in err
     assert [path.name for path in tmp_path.iterdir()] == ["task.yaml"]
 
 
@@ -307,6 +307,54 @@ def test_paper_prints_and_writes_its_report(tmp_path: Path, capsys: pytest.Captu
     assert any(name.endswith(".png") for name in names)
 
 
+# ---- what exists, and what was meant
+
+
+def test_what_exists_is_replaced_by_force_alone(
+    joints: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An empty folder is taken; in one with content, files of the same names are replaced and all others stay."""
+    out = tmp_path / "out"
+    out.mkdir()
+    write = ["assess", joints, "--no-png", "--out", str(out)]
+    assert main(write) == 0
+    (out / "metrics.csv").write_text("old")
+    (out / "mine.txt").write_text("mine")
+    capsys.readouterr()
+    assert_bad_input(write, "is not empty; nothing in it is overwritten without --force", capsys)
+    assert main([*write, "--force"]) == 0
+    assert (out / "metrics.csv").read_text() != "old"
+    assert (out / "mine.txt").read_text() == "mine"
+    capsys.readouterr()
+    page = tmp_path / "replay.html"
+    page.write_text("old")
+    assert_bad_input(["replay", joints, "--html", str(page)], "replay.html exists; .* --force replaces it", capsys)
+    assert main(["replay", joints, "--html", str(page), "--force"]) == 0
+    assert len(page.read_text()) > 100_000
+
+
+def test_without_a_command_the_help_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 0
+    assert capsys.readouterr().out.startswith("usage: puma-septic")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["asess"], r"unknown command 'asess'; valid: assess, .*; did you mean 'assess'\?"),
+        (["assess", "--proflie", "septic"], r"unrecognized arguments: --proflie; did you mean '--profile'\?"),
+        (["assess", "papr"], r"unknown task 'papr'; valid: .*; did you mean 'paper'\?"),
+        (["assess", "--robot", "puma56"], r"unknown robot 'puma56'; valid: .*; did you mean 'puma560'\?"),
+        (["assess", "--profile", "septc"], r"unknown profile 'septc'; valid: .*; did you mean 'septic'\?"),
+        (["assess", "--limits", "corkee"], r"unknown limits of .* 'corkee'; valid: .*; did you mean 'corke'\?"),
+    ],
+)
+def test_a_slip_of_the_finger_is_told_what_was_meant(
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert_bad_input(arguments, message, capsys)
+
+
 # ---- bad input and endings
 
 
@@ -323,8 +371,7 @@ def assert_bad_input(arguments: list[str], message: str, capsys: pytest.CaptureF
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([], "required: COMMAND"),
-        (["asses"], "invalid choice: 'asses' .*assess"),
+        (["asses"], "unknown command 'asses'; valid: assess"),
         (["assess", "--profil", "septic"], "unrecognized arguments"),
         (["assess", "papre"], "'paper', 'paper-turned', 'williams', or the path of a .yaml file"),
         (["assess", "none.yaml"], "none.yaml: this task file does not exist"),

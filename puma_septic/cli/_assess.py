@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 
 from puma_septic.cli._numbers import share
-from puma_septic.cli._output_arguments import add_format, add_out
+from puma_septic.cli._output_arguments import add_format, add_out, add_verbose
 from puma_septic.cli._parser import Answer
 from puma_septic.cli._recording_arguments import add_recording
 from puma_septic.cli._task_arguments import add_dwell, add_payload, add_profile, add_task
@@ -39,6 +39,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="SHARE",
         help="required safety margin on each velocity, acceleration, jerk and effort limit, 0 to 1",
     )
+    add_verbose(parser)
     add_format(parser, "text", "json", "csv")
     add_out(parser, "report.html, JSON, CSV and figures")
     parser.add_argument("--no-png", action="store_true", help="with --out: no PNG figures, which take seconds")

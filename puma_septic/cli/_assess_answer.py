@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from puma_septic.assessment import Assessment
+from puma_septic.cli._output_arguments import with_report
 from puma_septic.cli._parser import Answer
 from puma_septic.cli._task_arguments import asked_task
 from puma_septic.cli._task_text import assessed_text, turned_text
@@ -30,12 +31,13 @@ def answer(arguments: Namespace) -> Answer:
     elif arguments.format == "csv":
         text = metrics_csv(shown)
     else:
-        parts = [assessed_text(*asked[0], arguments.margin), *(turned_text(*one) for one in shown[1:])]
+        first = assessed_text(*asked[0], arguments.margin, verbosity=arguments.verbose)
+        parts = [first, *(turned_text(*one) for one in shown[1:])]
         text = "\n\n".join(parts)
     if arguments.out is not None:
         _write_folder(arguments, shown)
     is_feasible = not any(one.keeps(arguments.margin) for one in asked[0][1])
-    return Answer(text, 0 if is_feasible else 1)
+    return Answer(with_report(text, arguments), 0 if is_feasible else 1)
 
 
 def _assessed(arguments: Namespace, default: str) -> Assessed:

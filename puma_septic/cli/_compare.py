@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from typing import TYPE_CHECKING
 
-from puma_septic.cli._output_arguments import add_format, add_out
+from puma_septic.cli._output_arguments import add_format, add_out, with_report
 from puma_septic.cli._parser import Answer
 from puma_septic.cli._recording_arguments import add_recording
 from puma_septic.cli._task_arguments import add_dwell, add_payload, add_profile, add_task, asked_task
@@ -69,7 +69,7 @@ def run(arguments: Namespace) -> Answer:
         return Answer(to_json(comparison.to_dict()), code)
     if arguments.format == "csv":
         return Answer(comparison.to_csv(), code)
-    return Answer(f"{head}\n\n{comparison}", code)
+    return Answer(with_report(f"{head}\n\n{comparison}", arguments), code)
 
 
 def _write_folder(arguments: Namespace, comparison: Comparison, title: str) -> None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
 
-__all__ = ["add_force", "add_format", "add_out"]
+__all__ = ["add_force", "add_format", "add_out", "add_verbose", "with_report"]
 
 
 def add_format(parser: ArgumentParser, *formats: str) -> None:
@@ -16,6 +17,20 @@ def add_out(parser: ArgumentParser, files: str) -> None:
     """``--out``, the folder that the named files go to, and ``--force``."""
     parser.add_argument("--out", metavar="DIR", help=f"write {files} into a new or empty folder")
     add_force(parser, "--out")
+
+
+def add_verbose(parser: ArgumentParser) -> None:
+    """``-v``, counted."""
+    parser.add_argument(
+        "-v", "--verbose", action="count", default=0, help="tables of the joints and remarks; -vv: all of each profile"
+    )
+
+
+def with_report(text: str, arguments: Namespace) -> str:
+    """The text for a person and, as its last line, where the report was written."""
+    if arguments.out is None or arguments.format != "text":
+        return text
+    return f"{text}\n\nReport: {Path(arguments.out) / 'report.html'}"
 
 
 def add_force(parser: ArgumentParser, option: str) -> None:

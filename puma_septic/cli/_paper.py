@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-from puma_septic.cli._output_arguments import add_format, add_out
+from puma_septic.cli._output_arguments import add_format, add_out, with_report
 from puma_septic.cli._parser import Answer
 
 __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]
@@ -42,4 +42,4 @@ def run(arguments: Namespace) -> Answer:
             (folder / "report.html").write_text(report_html(report), encoding="utf-8")
             for name, figure in paper_figures(report).items():
                 save_figure(figure, folder / name)
-    return Answer(document if arguments.format == "json" else str(report), 0)
+    return Answer(document if arguments.format == "json" else with_report(str(report), arguments), 0)

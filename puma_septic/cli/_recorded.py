@@ -10,9 +10,10 @@ import numpy as np
 
 from puma_septic._version import __version__
 from puma_septic.assessment import Assessment, assess
+from puma_septic.cli._output_arguments import with_report
 from puma_septic.cli._parser import Answer
 from puma_septic.cli._task_arguments import asked_robot
-from puma_septic.cli._task_text import margin_text, wrapped
+from puma_septic.cli._task_text import details, margin_text, wrapped
 from puma_septic.document import SCHEMAS
 from puma_septic.errors import InputError
 from puma_septic.logs import JointLog, LogFit, fit_log, fit_residual, read_log
@@ -98,10 +99,11 @@ def run_log(arguments: Namespace) -> Answer:
     else:
         margin = [margin_text([assessment], arguments.margin)] if arguments.margin else []
         more = [wrapped(str(one)) for one in measured]
-        text = "\n\n".join([told(what), *margin, wrapped(str(assessment)), *more])
+        text = "\n\n".join([told(what), *margin, *more, *details([assessment], arguments.verbose)])
     if arguments.out is not None:
         notes = [*_lines(what)[:-1], *(line for one in measured for line in str(one).splitlines())]
         _write_folder(arguments, assessment, document, notes)
+    text = with_report(text, arguments)
     if assessment.undecided:
         return Answer(text, UNDECIDED)
     return Answer(text, 1 if assessment.keeps(arguments.margin) else 0)

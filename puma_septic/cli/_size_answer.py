@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, final
 
+from puma_septic.cli._output_arguments import with_report
 from puma_septic.cli._parser import Answer
 from puma_septic.cli._task_arguments import asked_task
 from puma_septic.cli._task_text import wrapped
@@ -38,7 +39,10 @@ def answer(arguments: Namespace) -> Answer:
     found = _own_sizing(arguments, cycle) if arguments.catalogue is None else _selection(arguments, cycle)
     if arguments.out is not None:
         _write_folder(arguments, found, f"{asked.name}: sizing")
-    return Answer(_text(arguments, asked, found), asked.code or (0 if found.is_feasible else 1))
+    text = _text(arguments, asked, found)
+    if isinstance(found, Sizing) or found.sizing is not None:  # without drives there is no report
+        text = with_report(text, arguments)
+    return Answer(text, asked.code or (0 if found.is_feasible else 1))
 
 
 @final

@@ -10,10 +10,11 @@ from typing import Final
 from puma_septic.assessment import Assessment
 from puma_septic.report import profile_labels
 from puma_septic.task import Branch, ResolvedTask
+from puma_septic.views import assessment as view
 from puma_septic.views import profiles
 from puma_septic.views.checks import unmet_text
 
-__all__ = ["assessed_text", "branches_text", "margin_text", "turned_text", "wrapped"]
+__all__ = ["assessed_text", "branches_text", "details", "margin_text", "turned_text", "wrapped"]
 
 WIDTH: Final = 100
 _COLUMNS: Final = re.compile(r"\S  +\S")
@@ -32,23 +33,50 @@ def wrapped(text: str) -> str:
     return "\n".join(lines)
 
 
-def assessed_text(resolved: ResolvedTask, assessments: Sequence[Assessment], margin: float = 0.0) -> str:
-    """The task, its profiles side by side, why its points violate limits if they do, and each assessment."""
+def assessed_text(
+    resolved: ResolvedTask, assessments: Sequence[Assessment], margin: float = 0.0, *, verbosity: int = 0
+) -> str:
+    """The task, its profiles side by side, and why its points violate limits if they do.
+
+    From verbosity 1 on with the tables of each assessment, and with each remark once; from 2 on with all of each.
+    """
     parts = [_head(resolved), side_by_side(assessments)]
     if resolved.has_poses and not resolved.branch.is_within_limits:
-        parts.append(branches_text(resolved))
+        parts.append(branches_text(resolved) if verbosity else wrapped(_reason(resolved)))
     if margin:
         parts.append(margin_text(assessments, margin))
-    for label, assessment in zip(profile_labels(assessments), assessments, strict=True):
-        parts += [_rule(label), wrapped(str(assessment))]
-    return "\n\n".join(parts)
+    return "\n\n".join([*parts, *details(assessments, verbosity)])
+
+
+def details(assessments: Sequence[Assessment], verbosity: int) -> list[str]:
+    """What each assessment has to say beside the table of profiles."""
+    labels = profile_labels(assessments)
+    if verbosity > 1:
+        pairs = zip(labels, assessments, strict=True)
+        return [part for label, one in pairs for part in (_rule(label), wrapped(str(one)))]
+    documents = [one.to_dict() for one in assessments]
+    common: dict[str, list[str]] = {
+        title: list(dict.fromkeys(line for document in documents for line in document[key]))
+        for title, key in (("Not assessed", "not_assessed"), ("Remarks", "remarks"))
+    }
+    if not verbosity:
+        unknown = [f"Not assessed: {'; '.join(common['Not assessed'])}"] if common["Not assessed"] else []
+        count = len(common["Remarks"])
+        remarks = f"{count} remark{'s' if count > 1 else ''} and the tables of the joints" if count else "the tables"
+        verdicts = [f"Verdict: {documents[0]['verdict']}"] if len(documents) == 1 else []
+        return ["\n".join(wrapped(line) for line in [*verdicts, *unknown, f"More: -v shows {remarks}, -vv all."])]
+    parts = []
+    for label, document in zip(labels, documents, strict=True):
+        violated = view.listed({"Violated limits": view.lists(document).get("Violated limits", [])})
+        parts += [_rule(label), *map(wrapped, [view.joints_text(document), *violated])]
+    return [*parts, _rule("of all profiles"), *map(wrapped, view.listed(common))]
 
 
 def turned_text(resolved: ResolvedTask, assessments: Sequence[Assessment]) -> str:
     """A second task, shorter."""
     name = resolved.task.name
-    more = f"Full report: puma-septic assess {name}"
-    return "\n\n".join([_rule(f"Compare: {name}"), _head(resolved), side_by_side(assessments), more])
+    table = profiles.text([one.to_dict() for one in assessments], profile_labels(assessments))
+    return "\n".join([_rule(f"Compare: {name}"), table, f"Full report: puma-septic assess {name}"])
 
 
 def side_by_side(assessments: Sequence[Assessment]) -> str:
@@ -63,28 +91,32 @@ def side_by_side(assessments: Sequence[Assessment]) -> str:
 
 def branches_text(resolved: ResolvedTask) -> str:
     """Why the points violate position limits: what each branch of the inverse kinematics violates."""
+    branches = resolved.branches
+    width = 4 + max(len(branch.configuration) for branch in branches)
+    lines = [wrapped(f"{_reason(resolved)} How far beyond its limits each joint is at most, in rad:")]
+    for branch in branches:
+        start = f"  {branch.configuration}".ljust(width)
+        lines += wrap(_excess(resolved, branch), WIDTH, initial_indent=start, subsequent_indent=" " * width)
+    return "\n".join(lines)
+
+
+def _reason(resolved: ResolvedTask) -> str:
+    """One sentence: the branches that would fit, or the limits that all of them violate."""
     branches, always = resolved.branches, resolved.broken_in_all_branches
     fitting = [branch.configuration for branch in branches if branch.is_within_limits]
     if fitting:
-        reason = f"Branches that keep the position limits at all points: {', '.join(fitting)}."
-    elif always:
+        return f"Branches that keep the position limits at all points: {', '.join(fitting)}."
+    if always:
         pairs = " and ".join(f"{joint} at {_points(resolved, joint)}" for joint in dict.fromkeys(j for j, _ in always))
-        reason = (
+        return (
             f"Why: all {len(branches)} branches of the inverse kinematics violate the position limit of {pairs},"
             " so no profile through these poses can be feasible."
             if resolved.is_complete
             else f"Why: every way found through these poses violates the position limit of {pairs}; there may be others"
             f" ({resolved.extent})."
         )
-    else:
-        which = f"the {len(branches)} branches of the inverse kinematics" if resolved.is_complete else "the ways found"
-        reason = f"Why: each of {which} violates a position limit."
-    width = 4 + max(len(branch.configuration) for branch in branches)
-    lines = [wrapped(f"{reason} How far beyond its limits each joint is at most, in rad:")]
-    for branch in branches:
-        start = f"  {branch.configuration}".ljust(width)
-        lines += wrap(_excess(resolved, branch), WIDTH, initial_indent=start, subsequent_indent=" " * width)
-    return "\n".join(lines)
+    which = f"the {len(branches)} branches of the inverse kinematics" if resolved.is_complete else "the ways found"
+    return f"Why: each of {which} violates a position limit."
 
 
 def _points(resolved: ResolvedTask, joint: str) -> str:

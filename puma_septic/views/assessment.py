@@ -13,7 +13,7 @@ from puma_septic.quantities import MOTION, QUANTITIES, Quantity
 from puma_septic.views.checks import read_checks
 from puma_septic.views.tables import Cell, html_table, text_table
 
-__all__ = ["html", "metrics_csv", "tables", "text"]
+__all__ = ["html", "joints_text", "listed", "lists", "metrics_csv", "tables", "text"]
 
 Document = Mapping[str, Any]
 
@@ -26,10 +26,20 @@ _NO_METRIC: Final = ("name", "is_prismatic", "checks", "margins")
 
 def text(document: Document) -> str:
     """A table that a person reads, with verdict, violations and what is not known."""
+    return "\n\n".join([joints_text(document), *listed(lists(document))])
+
+
+def listed(lists: Mapping[str, Sequence[str]]) -> list[str]:
+    """Each list with its title, the items indented; none of a list without items."""
+    return ["\n".join([f"{title}:", *(f"  {item}" for item in items)]) for title, items in lists.items() if items]
+
+
+def joints_text(document: Document) -> str:
+    """The verdict and the tables of the joints, without the lists below them."""
     rest = f", then {document['dwell']:g} s at rest" if document["dwell"] else ""
     motion, effort = _joint_rows(document)
     note = f"{_units(document)}; (utilisation; ! marks a violation)"
-    lines = [
+    return "\n".join([
         _head(document, rest),
         "",
         text_table(_MOTION, motion),
@@ -38,15 +48,12 @@ def text(document: Document) -> str:
         note,
         "",
         _tool_text(document),
-    ]
-    for title, items in _lists(document).items():
-        lines += ["", f"{title}:", *(f"  {item}" for item in items)]
-    return "\n".join(lines)
+    ])  # fmt: skip
 
 
 def html(document: Document) -> str:
     """Verdict, tables and what is not known, for a notebook; every text is escaped."""
-    texts = [f"{title}: {'; '.join(items)}" for title, items in _lists(document).items()]
+    texts = [f"{title}: {'; '.join(items)}" for title, items in lists(document).items()]
     return "\n".join(
         [
             f"<p><strong>{escape(_head(document))}</strong></p>",
@@ -89,14 +96,14 @@ def _head(document: Document, rest: str = "") -> str:
     return f"{document['robot']}, {document['profile']}, {document['duration']:g} s{rest}: {document['verdict']}"
 
 
-def _lists(document: Document) -> dict[str, list[str]]:
+def lists(document: Document) -> dict[str, list[str]]:
     """What stands below the tables, where there is any."""
-    lists = {
+    found = {
         "Violated limits": [str(check) for check in read_checks(document["violations"])],
         "Not assessed": document["not_assessed"],
         "Remarks": document["remarks"],
     }
-    return {title: lines for title, lines in lists.items() if lines}
+    return {title: lines for title, lines in found.items() if lines}
 
 
 def _units(document: Document) -> str:

@@ -51,8 +51,30 @@ def joints(tmp_path: Path) -> str:
 # ---- assess
 
 
+def test_an_answer_is_short_unless_more_is_asked_for(
+    joints: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The default answers on one screen; -v has tables and each remark once, -vv all of each profile."""
+
+    def lines(*options: str) -> list[str]:
+        main(["assess", *options])
+        return capsys.readouterr().out.splitlines()
+
+    short, tables, everything = lines("paper"), lines("paper", "-v"), lines("paper", "-vv")
+    assert 15 <= len(short) <= 25
+    assert short[-1] == "More: -v shows 5 remarks and the tables of the joints, -vv all."
+    assert len(short) < len(tables) < len(everything)
+    static = "static friction may carry any torque"
+    remark = "  link 'link1': mass 0 with an inertia, used as it is"
+    assert (short.count(remark), tables.count(remark), everything.count(remark)) == (0, 1, 3)
+    assert not any(static in line for line in short)
+    assert lines("--verbose", joints, "--no-png", "--out", str(tmp_path / "out"))[-1] == (
+        f"Report: {tmp_path / 'out' / 'report.html'}"
+    )
+
+
 def test_assess_shows_the_papers_task_and_why_it_is_infeasible(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["assess"]) == 1
+    assert main(["assess", "-vv"]) == 1
     out, err = capsys.readouterr()
     assert err == ""
     assert "all 8 branches of the inverse kinematics violate the position limit of joint5 at 'take'" in out

@@ -53,7 +53,7 @@ def test_the_text_tells_file_rows_and_residual(tmp_path: Path, capsys: pytest.Ca
     words = " ".join(capsys.readouterr().out.split())
     assert "101 rows from 0 s to 2 s, smoothed by the least-squares quintic spline" in words
     assert "Largest residual: 0.0004" in words  # four standard deviations in 606 samples
-    assert "puma560, fit_trajectory, 2 s: feasible" in words
+    assert "Verdict: feasible" in words
 
 
 def test_columns_may_come_in_any_order(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -188,14 +188,14 @@ def test_noise_leaves_the_verdict_open_until_it_is_smoothed(tmp_path: Path, caps
     path = noisy(tmp_path / "log.csv")
     assert main(["assess", "--csv", path]) == 3
     out = " ".join(capsys.readouterr().out.split())
-    assert "fit_trajectory, 2 s: undecided: noise: the jerk is mostly noise" in out
+    assert "Verdict: undecided: noise: the jerk is mostly noise" in out
     assert "Noise of a sample: " in out
     assert ": feasible" not in out
     assert main(["assess", "--csv", path, "--smoothing", "auto"]) == 0
     out = " ".join(capsys.readouterr().out.split())
     assert "smoothed by the quintic spline of greatest restricted likelihood, 200 intervals" in out
     assert "Peak torque within (95 %): joint1 " in out
-    assert "fit_trajectory, 2 s: feasible" in out
+    assert "Verdict: feasible" in out
 
 
 def test_the_document_tells_what_was_decided(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -84,7 +84,7 @@ def sized(name: str) -> Sizing:
 
 # What is written of a task, by the ending of its golden file.
 OF_TASK: dict[str, Callable[[str], str]] = {
-    "txt": lambda name: assessed_text(*task(name), 0.1),
+    "txt": lambda name: assessed_text(*task(name), 0.1, verbosity=2),
     "json": lambda name: to_json(assess_document([task(name)])),
     "csv": lambda name: metrics_csv([task(name)]),
     "html": lambda name: "\n".join(one._repr_html_() for one in task(name)[1]),

@@ -64,9 +64,7 @@ def unknown_values(robot: Robot) -> tuple[str, ...]:
         "torque (the URDF has no usable inertia for what the joint moves)": ~robot.knows_torque,
         "position limit": np.isnan(limits.position).any(axis=1) & ~robot.is_continuous,
         **{f"{name} limit": np.isnan(getattr(limits, name)) for name in limits.quantities if name in MAGNITUDES},
-        "rotor inertia (its torque is left out)": np.isnan(
-            [train.motor.rotor_inertia * train.ratio for train in robot.drivetrains]
-        ),
+        "rotor inertia (its torque is left out)": np.array([not train.knows_inertia for train in robot.drivetrains]),
         "viscous friction (its torque is left out)": np.isnan([law.viscous for law in friction]),
         "Coulomb friction (its torque is left out)": np.isnan([law.coulomb for law in friction]).any(axis=1),
     }

@@ -40,6 +40,11 @@ class Drivetrain:
         efficiency and no-load torque and the motor's friction.
     ambient_celsius : float
         Degrees Celsius; 40 is the customary ambient of motor ratings.
+    armature : float
+        Inertia of rotor and gears at the joint, kg m^2, where it is known there (as URDFs have it); it then counts, not
+        the rotor's with the ratio, which may be unknown.
+    friction_at_joint : Friction, optional
+        The same of friction, where no ratio is known to refer it to the motor.
     max_effort : float
         Limit of the whole actuator torque referred to the joint (``n`` times the motor's), N m (N); NaN: unknown.
     momentary_torque : float
@@ -63,6 +68,8 @@ class Drivetrain:
     gearbox: Gearbox = field(default_factory=Gearbox)
     drive: Drive = field(default_factory=Drive)
     measured_friction: Friction | None = None
+    armature: float = np.nan
+    friction_at_joint: Friction | None = None
     ambient_celsius: float = 40.0
     max_effort: float = np.nan
     momentary_torque: float = np.nan
@@ -70,6 +77,8 @@ class Drivetrain:
 
     def __post_init__(self) -> None:
         checked_number("ambient_celsius", self.ambient_celsius, unit="degrees Celsius", above=ABSOLUTE_ZERO_CELSIUS)
+        if not np.isnan(self.armature):
+            checked_number("armature", self.armature, unit="kg m^2", at_least=0.0)
         for name, unit in (("max_effort", "N m"), ("momentary_torque", "N m"), ("required_life_hours", "h")):
             if not np.isnan(getattr(self, name)):
                 checked_number(name, getattr(self, name), unit=unit, above=0.0)
@@ -103,8 +112,13 @@ class Drivetrain:
 
     @property
     def reflected_inertia(self) -> float:
-        """The same at the joint, ``inertia ratio^2``."""
-        return self.inertia * self.ratio**2
+        """The same at the joint, ``inertia ratio^2``, or the armature; NaN where neither is known."""
+        return self.inertia * self.ratio**2 if np.isnan(self.armature) else self.armature
+
+    @property
+    def knows_inertia(self) -> bool:
+        """Whether the inertia of the rotor at the joint is known."""
+        return not (np.isnan(self.armature) and np.isnan(self.motor.rotor_inertia * self.ratio))
 
     @property
     def transmission(self) -> Array:
@@ -119,7 +133,7 @@ class Drivetrain:
     @property
     def joint_friction(self) -> Friction:
         """`friction` at the joint."""
-        return self.friction.reflected(self.ratio)
+        return self.friction_at_joint or self.friction.reflected(self.ratio)
 
     @property
     def friction(self) -> Friction:

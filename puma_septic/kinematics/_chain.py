@@ -30,7 +30,10 @@ class Chain:
     Attributes
     ----------
     columns : ndarray of int, shape (m,)
-        Where each joint's value stands in `q`; a joint on another branch of the tree is absent.
+        Where each joint's value stands in `q`, that of a joint that mimics another where the other's stands; a joint on
+        another branch of the tree is absent.
+    factors : tuple of float, length m
+        What the value is multiplied by: 1 but for joints that mimic another.
     prismatic : tuple of bool, length m
     placements : ndarray, shape (m, 4, 4)
         From each joint's parent joint (the world for the first) to the joint at zero.
@@ -39,9 +42,20 @@ class Chain:
     """
 
     columns: NDArray[np.int64]
+    factors: tuple[float, ...]
     prismatic: tuple[bool, ...]
     placements: Array
     end: Array
+
+    @property
+    def is_coupled(self) -> bool:
+        """Whether a joint mimics another one."""
+        return any(factor != 1.0 for factor in self.factors) or len(self.driving) < len(self.columns)
+
+    @property
+    def driving(self) -> NDArray[np.int64]:
+        """Where the values that move the frame stand in `q`, each once."""
+        return np.array(list(dict.fromkeys(self.columns.tolist())), dtype=np.int64)
 
 
 @lru_cache(maxsize=32)
@@ -63,14 +77,18 @@ def chain_to(robot: Robot, frame: str | None = None) -> Chain:
     supports = [i for i in model.supports[target.parentJoint] if i != 0]
     placements, prismatic = [], []
     undo = np.eye(4)
-    for i in supports:
-        axis, slides = _axis(model, i)
+    mimics = [robot.mimics.get(model.names[i]) for i in supports]
+    for i, mimic in zip(supports, mimics, strict=True):
+        axis, slides = _axis(model, i) if mimic is None else _mimicking_axis(model, i, mimic.multiplier)
         turn = _z_onto(axis)
-        placements.append(undo @ model.jointPlacements[i].homogeneous @ turn)
+        start = np.eye(4) if mimic is None else _moved(mimic.offset, slides=slides)
+        placements.append(undo @ model.jointPlacements[i].homogeneous @ turn @ start)
         prismatic.append(slides)
         undo = turn.T
+    names = [model.names[i] if mimic is None else mimic.master for i, mimic in zip(supports, mimics, strict=True)]
     return Chain(
-        columns=np.array([robot.joint_index(model.names[i]) for i in supports], dtype=np.int64),
+        columns=np.array([robot.joint_index(name) for name in names], dtype=np.int64),
+        factors=tuple(1.0 if mimic is None else mimic.multiplier for mimic in mimics),
         prismatic=tuple(prismatic),
         placements=read_only(np.reshape(placements, (-1, 4, 4))),
         end=read_only(undo @ target.placement.homogeneous),
@@ -87,8 +105,10 @@ def frames(chain: Chain, q: Sequence[Array] | Array) -> Iterator[Array]:
     shape = (1,) * np.ndim(q[0])
     frame = np.eye(4, 3).reshape(4, 3, *shape)
     spare = np.empty_like(frame)
-    for placement, column, slides in zip(chain.placements, chain.columns, chain.prismatic, strict=True):
-        value = np.ascontiguousarray(q[column])
+    for placement, column, factor, slides in zip(
+        chain.placements, chain.columns, chain.factors, chain.prismatic, strict=True
+    ):
+        value = np.ascontiguousarray(q[column]) if factor == 1.0 else factor * np.asarray(q[column])
         np.matmul(placement.T, frame.reshape(4, -1), out=spare.reshape(4, -1))
         frame, spare = spare, frame
         if frame.shape[2:] != value.shape:
@@ -160,6 +180,31 @@ def _axis(model: Any, index: int) -> tuple[Array, bool]:
     joint, name = model.joints[index], model.names[index]
     if joint.nv != 1:
         raise ModelError(f"joint {name!r}: {joint.nv} degrees of freedom; only revolute and prismatic joints are known")
+    return _line(model, index)
+
+
+def _mimicking_axis(model: Any, index: int, multiplier: float) -> tuple[Array, bool]:
+    """The same of a joint that mimics another one, whose motion Pinocchio multiplies already."""
+    if multiplier == 0.0:  # it stands still, about any axis
+        return np.array([0.0, 0.0, 1.0]), False
+    axis, slides = _line(model, index)
+    return axis / multiplier, slides
+
+
+def _moved(value: float, *, slides: bool) -> Array:
+    """A turn about z, or a shift along it, as 4x4."""
+    result = np.eye(4)
+    if slides:
+        result[2, 3] = value
+    else:
+        c, s = np.cos(value), np.sin(value)
+        result[:2, :2] = [[c, -s], [s, c]]
+    return result
+
+
+def _line(model: Any, index: int) -> tuple[Array, bool]:
+    """The direction of a joint's motion subspace, and whether it slides."""
+    joint, name = model.joints[index], model.names[index]
     data = joint.createData()
     joint.calc(data, np.zeros(model.nq))
     linear, angular = np.ravel(data.S)[:3], np.ravel(data.S)[3:]

@@ -112,17 +112,22 @@ def jacobian(robot: Robot, q: ArrayLike) -> Array:
 def jacobian_columns(robot: Robot, q: Array) -> Array:
     """The Jacobian, shape (n, 6, n_joints), for joint values already checked, shape (n_joints, n)."""
     chain = chain_to(robot)
-    columns = np.zeros((robot.n_joints, 6, q.shape[1]))
+    each = np.zeros((len(chain.columns), 6, q.shape[1]))
     frame = np.zeros((4, 3, 1))
-    for column, frame in zip(chain.columns, frames(chain, q), strict=True):
-        columns[column, :3], columns[column, 3:] = frame[3], frame[2]
+    for k, frame in enumerate(frames(chain, q)):
+        each[k, :3], each[k, 3:] = frame[3], frame[2]
     origin = np.tensordot(chain.end[:, 3], frame, axes=1)
-    for column, slides in zip(chain.columns, chain.prismatic, strict=True):
-        linear, axis = columns[column, :3], columns[column, 3:]
+    for k, slides in enumerate(chain.prismatic):
+        linear, axis = each[k, :3], each[k, 3:]
         if slides:
             linear[...], axis[...] = axis, 0.0
         else:
             linear[...] = cross(axis, origin - linear)
+    columns = np.zeros((robot.n_joints, 6, q.shape[1]))
+    if chain.is_coupled:
+        np.add.at(columns, chain.columns, each * np.array(chain.factors)[:, None, None])
+    else:
+        columns[chain.columns] = each
     return np.ascontiguousarray(columns.transpose(2, 1, 0))
 
 
@@ -188,9 +193,10 @@ def _swept(robot: Robot, q: Array, v: Array, a: Array) -> tuple[Array, Array, Ar
         origin = to
 
     frame = np.eye(4, 3)[:, :, None]
-    for column, slides, frame in zip(chain.columns, chain.prismatic, frames(chain, q), strict=True):
+    joints = zip(chain.columns, chain.factors, chain.prismatic, frames(chain, q), strict=True)
+    for column, factor, slides, frame in joints:
         carry(frame[3].copy())
-        rate, change = frame[2] * v[column], frame[2] * a[column]
+        rate, change = frame[2] * (factor * v[column]), frame[2] * (factor * a[column])
         if slides:
             acceleration = acceleration + change + 2.0 * cross(omega, rate)
             velocity = velocity + rate

@@ -372,7 +372,7 @@ def _not_found(robot: Robot, target: Array, q: Array, errors: Array, conditions:
     left = end_errors(chain_to(robot), target, q[best : best + 1])[0]
     where = "T_world_tool" if all(conditions) else f"the {told(conditions)} of T_world_tool"
     parts = [f"no joint positions found for {where} in {len(q)} attempts"]
-    joints, asked = len(chain_to(robot).columns), sum(conditions)
+    joints, asked = len(chain_to(robot).driving), sum(conditions)
     if joints < asked:
         fitting = [f"constrain={name!r}" for name, some in CONDITIONS.items() if sum(some) <= joints]
         parts.append(

@@ -177,7 +177,7 @@ def _mirrored(robot: Robot, q: Array, near: Array | None) -> Array:
     """Seeds from answers, for six revolute joints of which the last three are a wrist: shape (3 m, n_joints)."""
     chain = chain_to(robot)
     columns = chain.columns
-    if len(columns) != 6 or any(chain.prismatic):
+    if len(columns) != 6 or any(chain.prismatic) or chain.is_coupled:
         return q[:0]
     wrist, back, elbow = q.copy(), q.copy(), q.copy()
     wrist[:, columns[-3:]] = q[:, columns[-3:]] * (1.0, -1.0, 1.0) + (np.pi, 0.0, -np.pi)
@@ -207,7 +207,7 @@ def distinct(robot: Robot, q: Array, tolerance: float = 1e-5) -> NDArray[np.int6
 
 def is_singular(robot: Robot, target: Array, q: Array, conditions: Conditions) -> NDArray[np.bool_]:
     """Whether the Jacobian of the joints that carry the tool loses rank, shape (n,), for q (n, n_joints)."""
-    columns = jacobian_columns(robot, q.T)[:, :, chain_to(robot).columns]
+    columns = jacobian_columns(robot, q.T)[:, :, chain_to(robot).driving]
     matrix = condition_rows(np.broadcast_to(target, (4, 3, len(q))), columns, conditions)
     return np.asarray(np.linalg.svd(matrix, compute_uv=False)[:, -1] < SINGULAR)
 
@@ -223,12 +223,15 @@ def _starts(robot: Robot, near: Array | None, *, count: int, rng: np.random.Gene
     middle = np.where(unknown, 0.0, 0.5 * (low + high))
     half = np.minimum(np.where(unknown, np.pi, 0.5 * (high - low)), np.pi)
     starts = np.tile(resting(robot, near), (count, 1))
-    columns = chain_to(robot).columns
+    columns = chain_to(robot).driving
     starts[1:, columns] = (middle + half * rng.uniform(-1.0, 1.0, (count - 1, robot.n_joints)))[:, columns]
     return starts
 
 
 def _angles(robot: Robot) -> NDArray[np.int64]:
-    """Indices of the joints that turn and carry the tool."""
+    """Indices of the joints that turn and carry the tool, but for those that others mimic: a turn counts of them."""
     chain = chain_to(robot)
+    if chain.is_coupled:
+        masters = [robot.joint_index(mimic.master) for mimic in robot.mimics.values()]
+        return np.setdiff1d(chain.driving[~robot.is_prismatic[chain.driving]], masters)
     return np.asarray(chain.columns[~np.array(chain.prismatic, dtype=bool)])

@@ -83,7 +83,7 @@ def puma_geometry(chain: Chain) -> PumaGeometry | None:
     Rx(-90 deg); (0, 0, d4) Rx(90 deg); Rx(-90 deg); every joint turns about its z. The first may stand
     anywhere.
     """
-    if len(chain.placements) != 6 or any(chain.prismatic):
+    if len(chain.placements) != 6 or any(chain.prismatic) or chain.is_coupled:
         return None
     shifts = chain.placements[1:, :3, 3]
     d1, a2, a3, d3, d4 = shifts[0, 2], shifts[1, 0], shifts[2, 0], shifts[2, 2], shifts[3, 2]

@@ -30,7 +30,7 @@ def singularity_names(robot: Robot) -> tuple[str, ...]:
     chain = chain_to(robot)
     if puma_geometry(chain) is not None:
         return SINGULARITIES
-    return ("determinant",) if len(chain.columns) == 6 else ("manipulability",)
+    return ("determinant",) if len(chain.driving) == 6 else ("manipulability",)
 
 
 def singularity_distances(robot: Robot, q: Array) -> Array:
@@ -86,4 +86,4 @@ def singularity_zeros(robot: Robot, q: Array) -> Array:
 
 def _carrying(robot: Robot, q: Array) -> Array:
     """The Jacobian's columns of the joints that carry the tool, shape (n, 6, m)."""
-    return jacobian(robot, q)[:, :, chain_to(robot).columns]
+    return jacobian(robot, q)[:, :, chain_to(robot).driving]

@@ -93,7 +93,7 @@ class SixAxes:
 
 def six_axes(chain: Chain) -> SixAxes | None:
     """Recognise a chain of six revolute joints; None where it has no closed form of these kinds."""
-    if len(chain.placements) != 6 or any(chain.prismatic):
+    if len(chain.placements) != 6 or any(chain.prismatic) or chain.is_coupled:
         return None
     axes, points, tool = _axes_at_zero(chain)
     if min(_sine(axes[k], axes[k + 1]) for k in (0, 3, 4)) < _LEAST_ANGLE:

@@ -100,7 +100,7 @@ class Actuator:
     @property
     def armature(self) -> float:
         """Rotor inertia at the joint in kg m^2, that of the gears' input with it; NaN where unknown."""
-        return np.nan if np.isnan(self.rotor_inertia) else self.drivetrain.reflected_inertia
+        return self.drivetrain.reflected_inertia if self.drivetrain.knows_inertia else np.nan
 
     @property
     def options(self) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from puma_septic.friction import Friction
 from puma_septic.quantities import MAGNITUDES, QUANTITIES
 from puma_septic.robot._actuator import FRICTION_KEYS, Actuator
 from puma_septic.robot.toml_text import read_toml, table
-from puma_septic.robot.values import Limits
+from puma_septic.robot.values import Limits, Payload
 from puma_septic.validation import Array, checked_array, checked_choice
 
 __all__ = ["ActuatorFile", "ParameterSet", "read_actuator_file"]
@@ -34,8 +34,9 @@ class ParameterSet:
     notes : tuple of str
     drivetrains : dict of str to Drivetrain
         By joint name.
-    link_coms : dict of str to ndarray, shape (3,)
-        Centre of mass of a link in the link's frame, m, instead of the URDF's.
+    links : dict of str to dict
+        By link name what its inertia is instead of the URDF's, any of "mass" (kg), "com" (in the link's frame, m) and
+        "inertia" (3 by 3, about the centre of mass, link axes, kg m^2).
     joint_origins : dict of str to ndarray, shape (3,)
         Position of a joint in its parent link, m, instead of the URDF's.
     """
@@ -43,7 +44,7 @@ class ParameterSet:
     name: str
     notes: tuple[str, ...]
     drivetrains: dict[str, Drivetrain]
-    link_coms: dict[str, Array]
+    links: dict[str, dict[str, Any]]
     joint_origins: dict[str, Array]
 
 
@@ -59,36 +60,39 @@ class ActuatorFile:
     parameters: dict[str, Any]
     limits: dict[str, Any]
 
-    def parameter_set(self, name: str | None, joint_names: Sequence[str], locked: Iterable[str] = ()) -> ParameterSet:
-        """The named set (None: the file's default) for exactly these joints; it may have locked ones as well.
+    def parameter_set(self, name: str | None, joint_names: Sequence[str]) -> ParameterSet:
+        """The named set (None: the file's default) for some of these joints; what it does not tell is unknown.
 
         Raises
         ------
         InputError
             For an unknown set, with the valid names.
         ModelError
-            For a joint that the set lacks or that the arm does not have, or a value that is none.
+            For a joint that the arm does not have, or a value that is none.
         """
+        if not self.parameters and name is None:
+            return ParameterSet(name="", notes=(), drivetrains={}, links={}, joint_origins={})
         chosen = checked_choice(f"parameters of {self.path.name}", name or self.default_parameters, self.parameters)
         where = f"{self.path}, [parameters.{chosen}]"
         data = table(self.parameters[chosen], where, ("source", "note", "joints", "links", "origins"))
         source = _text(data, "source", where)
         note = _text(data, "note", where)
-        drives = table(data.get("joints", {}), f"{where} joints", [*joint_names, *locked], kind="joint")
-        for joint in joint_names:
-            if joint not in drives:
-                raise ModelError(
-                    f"{where}: joint {joint!r} of the URDF has no entry; given: {', '.join(drives) or 'none'}"
-                )
+        drives = table(data.get("joints", {}), f"{where} joints", joint_names, kind="joint")
         return ParameterSet(
             name=chosen,
             notes=(f"parameters {chosen!r}: {source}", *([note] if note else [])),
             drivetrains={
-                joint: _drivetrain(drives[joint], f"{where} joint {joint!r}", source) for joint in joint_names
+                joint: _drivetrain(drive, f"{where} joint {joint!r}", source) for joint, drive in drives.items()
             },
-            link_coms=_vectors(data.get("links", {}), "com", f"{where} links"),
+            links=_links(data.get("links", {}), f"{where} links"),
             joint_origins=_vectors(data.get("origins", {}), "xyz", f"{where} origins"),
         )
+
+    def known_ranges(self, name: str | None) -> list[str]:
+        """Joints of which the named set of limits (None: the file's default) has the positions."""
+        given = self.limits.get(name or self.default_limits or "", {})
+        positions = given.get("position", {}) if isinstance(given, dict) else {}
+        return list(positions) if isinstance(positions, dict) else []
 
     def limit_set(
         self, name: str | None, urdf: Limits, joint_names: Sequence[str], locked: Iterable[str] = ()
@@ -135,13 +139,15 @@ def read_actuator_file(path: Path, robot_name: str) -> ActuatorFile:
     if _text(data, "robot", str(path)) not in ("", robot_name):
         raise ModelError(f"{path}: written for robot {data['robot']!r}, but the URDF's is {robot_name!r}")
     parameters = table(data.get("parameters", {}), f"{path}, [parameters]")
-    if not parameters:
-        raise ModelError(f"{path}: no parameter set; expected a table [parameters.NAME.joints.JOINT]")
     limits = table(data.get("limits", {}), f"{path}, [limits]")
+    if not parameters and not limits:
+        raise ModelError(
+            f"{path}: neither drives nor limits; expected a table [parameters.NAME.joints.JOINT] or [limits.NAME]"
+        )
     return ActuatorFile(
         path=path,
         tool=_text(data, "tool", str(path)) or None,
-        default_parameters=_default(data, "parameters", parameters, path),
+        default_parameters=_default(data, "parameters", parameters, path) if parameters else "",
         default_limits=_default(data, "limits", limits, path) if limits else None,
         parameters=parameters,
         limits=limits,
@@ -158,27 +164,28 @@ def _default(data: Mapping[str, Any], kind: str, sets: Mapping[str, Any], path: 
 
 def _drivetrain(value: object, where: str, source: str) -> Drivetrain:
     data = table(value, where, DRIVE_KEYS)
-    if "gear_ratio" not in data:
-        raise ModelError(f"{where}: gear_ratio is missing")
-    if ("rotor_inertia" in data) == ("armature" in data):
-        raise ModelError(f"{where}: exactly one of rotor_inertia (motor side) and armature (joint side) must be given")
-    ratio = float(_numbers(data["gear_ratio"], f"{where} gear_ratio", ()))
+    if "rotor_inertia" in data and "armature" in data:
+        raise ModelError(
+            f"{where}: rotor_inertia (motor side) and armature (joint side) are given; one of them is meant"
+        )
+    ratio, rotor, armature, viscous = (
+        float(_numbers(data[key], f"{where} {key}", ())) if key in data else np.nan
+        for key in ("gear_ratio", "rotor_inertia", "armature", "viscous_friction")
+    )
     if ratio == 0.0:
         raise ModelError(f"{where}: gear_ratio = 0: the ratio of motor speed to joint speed cannot be zero")
-    inertia = float(_numbers(data.get("rotor_inertia", data.get("armature")), f"{where} rotor inertia", ()))
     try:
         actuator = Actuator(
             gear_ratio=ratio,
-            rotor_inertia=inertia if "rotor_inertia" in data else inertia / ratio**2,
-            viscous_friction=float(_numbers(data["viscous_friction"], f"{where} viscous_friction", ()))
-            if "viscous_friction" in data
-            else np.nan,
+            rotor_inertia=armature / ratio**2 if np.isnan(rotor) else rotor,
+            viscous_friction=viscous,
             coulomb_friction=_numbers(data["coulomb_friction"], f"{where} coulomb_friction", (2,))
             if "coulomb_friction" in data
             else np.full(2, np.nan),
             source=source,
         )
-        return replace(actuator.drivetrain, measured_friction=_friction(data, actuator, where))
+        at_joint = armature if np.isnan(ratio) else np.nan
+        return replace(actuator.drivetrain, measured_friction=_friction(data, actuator, where), armature=at_joint)
     except InputError as error:
         raise ModelError(f"{where}: {error}") from error
 
@@ -194,6 +201,21 @@ def _friction(data: Mapping[str, Any], actuator: Actuator, where: str) -> Fricti
     return replace(law, **terms)
 
 
+def _links(value: object, where: str) -> dict[str, dict[str, Any]]:
+    """Tables ``NAME = {mass = ..., com = [x, y, z], inertia = [[...], [...], [...]]}``, checked as a body's."""
+    shapes: dict[str, tuple[int, ...]] = {"mass": (), "com": (3,), "inertia": (3, 3)}
+    result = {}
+    for name, entry in table(value, where).items():
+        given = table(entry, f"{where}.{name}", tuple(shapes))
+        values = {key: _numbers(item, f"{where}.{name} {key}", shapes[key]) for key, item in given.items()}
+        try:
+            Payload(**({"mass": 0.0} | {key: float(v) if v.ndim == 0 else v for key, v in values.items()}))  # type: ignore[arg-type]
+        except InputError as error:
+            raise ModelError(f"{where}.{name}: {error}") from error
+        result[name] = values
+    return result
+
+
 def _vectors(value: object, key: str, where: str) -> dict[str, Array]:
     """Tables ``NAME = {key = [x, y, z]}`` as vectors by name."""
     result = {}
@@ -206,13 +228,17 @@ def _vectors(value: object, key: str, where: str) -> dict[str, Array]:
 
 def _numbers(value: object, where: str, shape: tuple[int, ...]) -> Array:
     """Finite numbers of this shape; TOML also knows booleans, dates and text, which NumPy would convert."""
-    items = value if isinstance(value, list) else [value]
+    items = _flat(value)
     if not all(isinstance(item, (int, float)) and not isinstance(item, bool) for item in items):
         raise ModelError(f"{where}: expected {'numbers' if shape else 'a number'}, got {value!r}")
     try:
         return checked_array(where, value, shape)  # type: ignore[arg-type]
     except InputError as error:
         raise ModelError(str(error)) from error
+
+
+def _flat(value: object) -> list[object]:
+    return [item for part in value for item in _flat(part)] if isinstance(value, list) else [value]
 
 
 def _text(data: Mapping[str, Any], key: str, where: str) -> str:

@@ -3,29 +3,42 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, Final
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from puma_septic.drives import Drivetrain
-from puma_septic.errors import InputError, ModelError, did_you_mean
+from puma_septic.errors import InputError, ModelError
+from puma_septic.robot._locking import (
+    Locks,
+    check_followers,
+    check_moving,
+    named_locks,
+    set_origin,
+    with_locks,
+    without_others,
+)
+from puma_septic.robot._names import BUILT_IN, robot_file
+from puma_septic.robot._tool import chosen_tool
+from puma_septic.robot._urdf_drives import urdf_drivetrains
+from puma_septic.robot._urdf_limits import SOFT, position_range, soft_positions, urdf_limits
 from puma_septic.robot.actuator_file import ActuatorFile, ParameterSet, read_actuator_file
 from puma_septic.robot.meshes import confined_geometry
 from puma_septic.robot.model import Robot
-from puma_septic.robot.model_checks import check_complete, check_inertia, massless_notes
+from puma_septic.robot.model_checks import check_complete, massless_notes, unknown_torques
 from puma_septic.robot.urdf_checks import Urdf, checked_urdf
-from puma_septic.robot.urdf_schema import vector
 from puma_septic.robot.urdf_text import read_urdf
-from puma_septic.robot.values import Limits
-from puma_septic.validation import Array, checked_array, checked_choice, checked_number
+from puma_septic.robot.values import Limits, Payload
+from puma_septic.validation import Array, checked_array, checked_choice
 
 __all__ = ["load_robot", "robot_files"]
 
-BUILT_IN = ("puma560",)
+_TENSOR: Final = {(0, 0): "ixx", (0, 1): "ixy", (0, 2): "ixz", (1, 1): "iyy", (1, 2): "iyz", (2, 2): "izz"}
 
 
 def load_robot(
@@ -36,32 +49,40 @@ def load_robot(
     actuators: str | Path | None = None,
     tool: str | None = None,
     package_dirs: Sequence[str | Path] = (),
-    locked: Mapping[str, float] | None = None,
+    locked: Locks = None,
+    links: Mapping[str, Payload] | None = None,
     gravity: ArrayLike = (0.0, 0.0, -9.81),
 ) -> Robot:
-    """Load the built-in PUMA 560, or any URDF with an optional actuator file.
+    """Load a robot by its name, or any URDF, with an optional actuator file.
 
     The URDF is checked before Pinocchio reads it, because Pinocchio drops an inertia with a misspelt number,
-    loses a joint in a closed loop and takes a misspelt origin for zero without a word.
+    loses a joint in a closed loop and takes a misspelt origin for zero without a word. What is wrong or missing stops
+    only the answers that depend on it, and is named in the robot's notes.
 
     Parameters
     ----------
     source : str or Path
-        "puma560" or the path of a .urdf file.
+        "puma560", the name of a robot of example-robot-data such as "ur5" or "panda", or the path of a .urdf file.
     parameters, limits : str, optional
         Named sets of the actuator file; its defaults otherwise. PUMA: parameters "rtb" or "akb", limits
-        "corke", "akb" or "benchmark".
+        "corke", "akb" or "benchmark". Of any URDF the limits "soft": positions of its safety controllers.
     actuators : str or Path, optional
-        Actuator file (TOML). Without it, rotor inertia and friction are unknown (NaN, not in the torques),
-        the limits are the URDF's.
+        Actuator file (TOML). Of joints that it does not have the drives are as the URDF's <dynamics> and
+        <transmission> tell, else unknown (NaN, not in the torques); without limits in it they are the URDF's.
     tool : str, optional
         Frame that is positioned and that carries payload and wrench; the actuator file's otherwise ("flange"
-        for the PUMA), else the end of the longest chain, which a note names.
+        for the PUMA), else one is chosen: tool0, tcp, end effector or flange by name, else the end of the longest
+        chain, fingers left out; a note names it.
     package_dirs : sequence of str or Path
-        Folders that hold the packages of ``package://`` mesh names. Meshes are opened from these, from the
-        URDF's folder and from the package that it lies in, from nowhere else.
-    locked : mapping of str to float, optional
-        Joints to fix, with their position in rad (m for prismatic joints), such as a gripper's fingers.
+        Folders that hold the packages of ``package://`` mesh names, that are such packages, or that are a workspace of
+        them. Meshes are opened from these, from the URDF's folder and from the package that it lies in, from nowhere
+        else; what cannot be opened is not drawn.
+    locked : mapping of str to float, or "others", optional
+        Joints to fix, with their position in rad (m for prismatic joints), such as a gripper's fingers; joints that
+        mimic them are fixed with them. "others", or that key with the value None, fixes every joint that does not carry
+        the tool, at zero or the limit nearest to it.
+    links : mapping of str to Payload, optional
+        Mass, centre of mass (in the link's frame) and inertia of links by name, instead of the URDF's.
     gravity : array_like, shape (3,)
         m/s^2 in the URDF's base frame; (0, 0, 9.81) for an arm that hangs from the ceiling.
 
@@ -87,30 +108,33 @@ def load_robot(
     [56.0, 97.0, 52.0, 10.0, 10.0, 10.0]
     """
     down = checked_array("gravity", gravity, (3,), unit="m/s^2")
-    positions = {name: checked_number(f"locked[{name!r}]", x) for name, x in (locked or {}).items()}
+    positions, lock_others = named_locks(locked)
     urdf_path, actuator_path = _paths(source, actuators)
-    urdf = checked_urdf(read_urdf(urdf_path), positions)
-    file = None if actuator_path is None else read_actuator_file(actuator_path, urdf.name)
-    drives = _parameter_set(file, parameters, urdf, positions)
-    _apply(drives, urdf, actuator_path)
-    for name, position in positions.items():
-        _lock(urdf, name, position)
+    text = read_urdf(urdf_path)
+    file = None if actuator_path is None else read_actuator_file(actuator_path, text.root.get("name", ""))
+    whole = checked_urdf(text)
+    given = _parameter_set(file, parameters, whole)
+    whole = _repaired(whole, given, links or {}, actuator_path)
+    urdf, (frame, chosen) = _arranged(whole, positions, _wanted_tool(tool, file, whole), lock_others=lock_others)
     model = _pinocchio_model(urdf, down)
     geometry, missing_meshes = confined_geometry(urdf, package_dirs)
-    chosen_limits, limit_notes = _limits(file, limits, urdf, positions)
-    chosen_tool, tool_notes = _tool(tool, file, urdf)
+    own_limits, limit_notes = _limits(file, limits, urdf, whole)
+    trains, drive_notes = _drivetrains(given, urdf, has_file=file is not None)
     robot = Robot(
         name=urdf.name,
         bare_model=model,
         joint_names=urdf.moving,
-        tool=chosen_tool,
-        drivetrains=tuple(drives.drivetrains[name] for name in urdf.moving),
-        limits=chosen_limits,
+        tool=frame,
+        tool_is_chosen=bool(chosen),
+        drivetrains=trains,
+        limits=own_limits,
         geometry=geometry,
+        mimics=urdf.mimics,
         missing_meshes=missing_meshes,
-        notes=(*drives.notes, *urdf.notes, *massless_notes(model, urdf), *limit_notes, *tool_notes),
+        notes=(*given.notes, *drive_notes, *urdf.notes, *massless_notes(model, urdf), *limit_notes, *chosen),
     )
-    return replace(robot, missing_inertia=check_inertia(model, robot.model.armature, urdf_path))
+    missing, why = unknown_torques(model, robot.model.armature, urdf)
+    return replace(robot, missing_inertia=missing, notes=(*robot.notes, *why))
 
 
 def robot_files(source: str | Path = "puma560", *, actuators: str | Path | None = None) -> dict[str, Path]:
@@ -131,151 +155,140 @@ def robot_files(source: str | Path = "puma560", *, actuators: str | Path | None 
 
 
 def _paths(source: str | Path, actuators: str | Path | None) -> tuple[Path, Path | None]:
-    """Files of a robot; a plain name is a built-in one."""
-    given = None if actuators is None else Path(actuators)
-    if isinstance(source, str):
-        if source.lstrip().startswith("<"):
-            raise InputError("source: this is XML text; write it to a .urdf file and pass its path")
-        if source in BUILT_IN:
-            folder = _data_folder()
-            return folder / f"{source}.urdf", given or folder / f"{source}_actuators.toml"
-        if Path(source).name == source and not source.endswith(".urdf"):
-            names = ", ".join(map(repr, BUILT_IN))
-            meant = did_you_mean([source], BUILT_IN)
-            raise InputError(f"unknown robot {source!r}; valid: {names}, or the path of a .urdf file{meant}")
-    return Path(source), given
+    """Files of a robot; the PUMA has an actuator file of its own."""
+    path = robot_file(source)
+    if actuators is not None:
+        return path, Path(actuators)
+    own = path.with_name(f"{path.stem}_actuators.toml")
+    return path, own if source == BUILT_IN else None
 
 
-def _data_folder() -> Path:
-    """`urdf` lies inside the installed package, or beside it in the source tree."""
-    package = Path(__file__).resolve().parents[1]
-    inside = package / "urdf"
-    return inside if inside.is_dir() else package.parent / "urdf"
-
-
-def _parameter_set(file: ActuatorFile | None, name: str | None, urdf: Urdf, locked: Iterable[str]) -> ParameterSet:
+def _parameter_set(file: ActuatorFile | None, name: str | None, urdf: Urdf) -> ParameterSet:
     if file is not None:
-        return file.parameter_set(name, urdf.moving, locked)
+        return file.parameter_set(name, [joint for joint, one in urdf.joints.items() if one.kind != "fixed"])
     if name is not None:
         raise InputError(f"parameters {name!r}: there are no named sets without an actuator file (actuators=...)")
-    note = "no actuator file: rotor inertia and friction are unknown, not in the torques; <dynamics> is not used"
-    return ParameterSet(
-        name="",
-        notes=(note,),
-        drivetrains={joint: Drivetrain() for joint in urdf.moving},
-        link_coms={},
-        joint_origins={},
-    )
+    return ParameterSet(name="", notes=(), drivetrains={}, links={}, joint_origins={})
 
 
-def _limits(
-    file: ActuatorFile | None, name: str | None, urdf: Urdf, locked: Iterable[str]
-) -> tuple[Limits, tuple[str, ...]]:
+def _drivetrains(given: ParameterSet, urdf: Urdf, *, has_file: bool) -> tuple[tuple[Drivetrain, ...], tuple[str, ...]]:
+    """Each joint's drive as the file has it, else what the URDF tells of it."""
+    own, notes = urdf_drivetrains(urdf, [name for name in urdf.moving if name not in given.drivetrains])
+    trains = {**own, **given.drivetrains}
+    if not has_file and not notes:
+        notes = ("no actuator file: rotor inertia and friction are unknown, not in the torques",)
+    return tuple(trains[name] for name in urdf.moving), notes
+
+
+def _limits(file: ActuatorFile | None, name: str | None, urdf: Urdf, whole: Urdf) -> tuple[Limits, tuple[str, ...]]:
     """The named set, else the actuator file's default, else the URDF's own with what is unknown there."""
-    own, notes = _urdf_limits(urdf)
+    moving = urdf.moving
+    own, notes = urdf_limits(urdf, moving, file.known_ranges(name) if file is not None else ())
+    if name == SOFT and (file is None or SOFT not in file.limits):
+        position = soft_positions(urdf, moving, own.position)
+        return replace(own, position=position, source=f"{own.source}; positions: soft limits"), notes
     if file is None and name is not None:
-        raise InputError(f"limits {name!r}: there are no named sets without an actuator file (actuators=...)")
-    chosen = own if file is None else file.limit_set(name, own, urdf.moving, locked)
+        raise InputError(
+            f"limits {name!r}: there are no named sets without an actuator file (actuators=...) but {SOFT!r}"
+        )
+    if file is None:
+        return own, notes
+    chosen = file.limit_set(name, own, moving, [one for one in whole.joints if one not in moving])
     return chosen, notes if chosen is own else ()
 
 
-def _apply(drives: ParameterSet, urdf: Urdf, path: Path | None) -> None:
-    """Write a parameter set's centres of mass and joint origins into the tree."""
-    inertials = {name: part for name, link in urdf.links.items() for part in link.findall("inertial")}
+def _repaired(urdf: Urdf, given: ParameterSet, links: Mapping[str, Payload], path: Path | None) -> Urdf:
+    """The robot with the inertias and joint origins of a parameter set, and of the caller, written into its tree."""
     joints = {name: joint.element for name, joint in urdf.joints.items()}
-    for kind, elements, positions in (
-        ("link (with <inertial>)", inertials, drives.link_coms),
-        ("joint", joints, drives.joint_origins),
-    ):
-        for name, xyz in positions.items():
-            if name not in elements:
-                raise ModelError(f"{path}: unknown {kind} {name!r}; valid: {', '.join(elements)}")
-            _set_origin(elements[name], xyz=xyz)
+    for name, xyz in given.joint_origins.items():
+        if name not in joints:
+            raise ModelError(f"{path}: unknown joint {name!r}; valid: {', '.join(joints)}")
+        set_origin(joints[name], xyz=xyz)
+    bodies = {name: {"mass": one.mass, "com": one.com, "inertia": one.inertia} for name, one in links.items()}
+    for where, parts in ((f"{path}", given.links), ("links", bodies)):
+        for name, values in parts.items():
+            if name not in urdf.links:
+                raise ModelError(f"{where}: unknown link {name!r}; valid: {', '.join(urdf.links)}")
+            _set_inertial(urdf.links[name], values, where)
+    known = {name: why for name, why in urdf.unusable.items() if urdf.links[name].find("inertial") is None}
+    return replace(urdf, unusable=known)
 
 
-def _lock(urdf: Urdf, name: str, position: float) -> None:
-    """Turn a joint into a fixed one at this position."""
-    element = urdf.joints[name].element
-    limit = element.find("limit")
-    if limit is not None and element.get("type") != "continuous":
-        lower, upper = float(limit.get("lower", "0")), float(limit.get("upper", "0"))
-        if not lower <= position <= upper:
-            raise InputError(f"locked[{name!r}] = {position:g} is outside the joint's limits [{lower:g}, {upper:g}]")
-    axis = vector(element.find("axis"), "xyz", (1.0, 0.0, 0.0))
-    axis = axis / np.linalg.norm(axis)
-    origin = element.find("origin")
-    rotation = pin.rpy.rpyToMatrix(vector(origin, "rpy", (0.0, 0.0, 0.0)))
-    translation = vector(origin, "xyz", (0.0, 0.0, 0.0))
-    if element.get("type") == "prismatic":
-        translation = translation + rotation @ axis * position
-    else:
-        rotation = rotation @ pin.AngleAxis(position, axis).matrix()
-    _set_origin(element, xyz=translation, rpy=pin.rpy.matrixToRpy(rotation))
-    element.set("type", "fixed")
+def _set_inertial(link: ET.Element, values: Mapping[str, Any], where: str) -> None:
+    """Write what is given of a body into a link; what is not stays the URDF's."""
+    inertial = link.find("inertial")
+    if inertial is None:
+        if lacking := [key for key in ("mass", "com", "inertia") if key not in values]:
+            raise ModelError(
+                f"{where}: link {link.get('name')!r} has no usable <inertial> in the URDF, so {', '.join(lacking)} is"
+                " needed too"
+            )
+        inertial = ET.SubElement(link, "inertial")
+        ET.SubElement(inertial, "mass")
+        ET.SubElement(inertial, "inertia")
+    for element in inertial:
+        if element.tag == "mass" and "mass" in values:
+            element.set("value", repr(float(values["mass"])))
+        if element.tag == "inertia" and "inertia" in values:
+            for (i, j), name in _TENSOR.items():
+                element.set(name, repr(float(values["inertia"][i][j])))
+    if "com" in values:
+        set_origin(inertial, xyz=values["com"])
+    if "inertia" in values:  # which is in the link's axes
+        set_origin(inertial, rpy=np.zeros(3))
 
 
-def _set_origin(element: ET.Element, **values: Array) -> None:
-    origin = element.find("origin")
-    if origin is None:
-        origin = ET.SubElement(element, "origin")
-    for name, value in values.items():
-        origin.set(name, " ".join(repr(float(x)) for x in value))
+def _arranged(
+    urdf: Urdf, positions: Mapping[str, float], wanted: str | None, *, lock_others: bool
+) -> tuple[Urdf, tuple[str, tuple[str, ...]]]:
+    """The robot with its joints locked; the tool, and a note where it was chosen."""
+    whole, urdf = urdf, with_locks(urdf, positions)
+    tool, notes = (wanted, ()) if wanted is not None else _chosen(urdf)
+    link = urdf.joints[tool].child if tool not in urdf.links else tool
+    check_followers(whole, positions, link)
+    if lock_others:
+        urdf, told = without_others(urdf, link)
+        urdf = replace(urdf, notes=(*urdf.notes, *told))
+    check_moving(urdf)
+    return urdf, (tool, notes)
+
+
+def _chosen(urdf: Urdf) -> tuple[str, tuple[str, ...]]:
+    tool, note = chosen_tool(urdf)
+    return tool, (note,)
+
+
+def _wanted_tool(tool: str | None, file: ActuatorFile | None, urdf: Urdf) -> str | None:
+    """The caller's tool frame, else the actuator file's."""
+    wanted = tool if tool is not None else file.tool if file is not None else None
+    return None if wanted is None else checked_choice("tool frame", wanted, [*urdf.links, *urdf.joints])
 
 
 def _pinocchio_model(urdf: Urdf, gravity: Array) -> pin.Model:
+    """Pinocchio's model; joints are renamed for it where one mimics another, to be visited in the right order."""
+    names = {name: f"{k:04d}" for k, name in enumerate(urdf.visited())} if urdf.mimics else {}
     try:
-        model = pin.buildModelFromXML(urdf.xml(("inertial",)))
+        model = pin.buildModelFromXML(urdf.xml(("inertial",), names), mimic=bool(names))
     except (ValueError, RuntimeError) as error:
-        raise ModelError(f"{urdf.text.path}: Pinocchio refuses this URDF: {str(error).strip()}") from error
+        raise urdf.text.complaint(f"Pinocchio refuses this URDF: {str(error).strip()}") from error
+    original = {short: name for name, short in names.items()}
+    for k, name in enumerate(list(model.names)):
+        model.names[k] = original.get(name, name)
+    for frame in model.frames:
+        if frame.type in (pin.FrameType.JOINT, pin.FrameType.FIXED_JOINT):
+            frame.name = original.get(frame.name, frame.name)
     check_complete(model, urdf)
+    _write_ranges(model, urdf)
     model.gravity.linear = np.array(gravity)
     return model
 
 
-def _urdf_limits(urdf: Urdf) -> tuple[Limits, tuple[str, ...]]:
-    """Limits as the URDF has them; an effort or velocity of 0 is a placeholder, so unknown."""
-    n = len(urdf.moving)
-    values = {name: np.full(n, np.nan) for name in ("lower", "upper", "velocity", "effort")}
-    notes = []
-    for k, name in enumerate(urdf.moving):
-        joint = urdf.joints[name]
-        limit = joint.element.find("limit")
-        given = {} if limit is None else {key: float(limit.get(key, "0")) for key in values}
-        if joint.kind != "continuous":
-            values["lower"][k], values["upper"][k] = given["lower"], given["upper"]
-        for key in ("velocity", "effort"):
-            values[key][k] = given.get(key, 0.0) or np.nan
-            if np.isnan(values[key][k]):
-                notes.append(f"joint {name!r}: the URDF gives no {key} limit (or 0): unknown")
-    unknown = np.full(n, np.nan)
-    limits = Limits(
-        position=np.column_stack([values["lower"], values["upper"]]),
-        velocity=values["velocity"],
-        acceleration=unknown,
-        jerk=unknown,
-        effort=values["effort"],
-        source=f"{urdf.text.path.name}: no acceleration or jerk limits in a URDF",
-    )
-    return limits, tuple(notes)
-
-
-def _tool(tool: str | None, file: ActuatorFile | None, urdf: Urdf) -> tuple[str, tuple[str, ...]]:
-    """The caller's tool frame, else the actuator file's, else the end of the longest chain."""
-    chosen = tool if tool is not None else file.tool if file is not None else None
-    if chosen is not None:
-        return checked_choice("tool frame", chosen, [*urdf.links, *urdf.joints]), ()
-    above = {joint.child: joint for joint in urdf.joints.values()}
-
-    def length(link: str) -> tuple[int, int]:
-        moving = joints = 0
-        while link in above:
-            moving, joints = moving + (above[link].kind != "fixed"), joints + 1
-            link = above[link].parent
-        return moving, joints
-
-    ends = [link for link in urdf.links if all(joint.parent != link for joint in urdf.joints.values())]
-    longest = max(map(length, ends))
-    candidates = [link for link in ends if length(link) == longest]
-    others = f" (as long: {', '.join(candidates[:-1])})" if len(candidates) > 1 else ""
-    note = f"tool frame {candidates[-1]!r}: the last link of the longest chain{others}; pass tool= for another"
-    return candidates[-1], (note,)
+def _write_ranges(model: pin.Model, urdf: Urdf) -> None:
+    """The URDF's position limits, infinite where they are not known."""
+    lower, upper = np.array(model.lowerPositionLimit), np.array(model.upperPositionLimit)
+    for name in urdf.moving:
+        joint = model.joints[model.getJointId(name)]
+        if joint.nq == 1:
+            low, high = position_range(urdf.joints[name].element)
+            lower[joint.idx_q], upper[joint.idx_q] = np.nan_to_num(low, nan=-np.inf), np.nan_to_num(high, nan=np.inf)
+    model.lowerPositionLimit, model.upperPositionLimit = lower, upper

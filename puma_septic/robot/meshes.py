@@ -1,12 +1,13 @@
-"""Visual and collision shapes: mesh files confined to the robot's own folders, built when asked for."""
+"""Visual and collision shapes, built when asked for; what cannot be drawn is left out and told."""
 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
-from typing import final
+from typing import Any, NoReturn, final
 from urllib.parse import unquote
 from xml.parsers import expat
 
@@ -14,10 +15,12 @@ import numpy as np
 import pinocchio as pin
 
 from puma_septic.errors import ModelError
+from puma_septic.robot._mesh_files import Folders, found_mesh, own_folders
 from puma_septic.robot.urdf_checks import Urdf
-from puma_septic.robot.urdf_text import UrdfText
 
 __all__ = ["Geometry", "confined_geometry"]
+
+_PROBE = '<robot name="p"><link name="l"><visual><geometry>{mesh}</geometry></visual></link></robot>'
 
 
 @final
@@ -28,112 +31,113 @@ class Geometry:
     Attributes
     ----------
     urdf : str
-        Text whose mesh names are absolute paths of files that exist, inside `roots`.
-    roots : tuple of Path
-        The robot's own folders.
+        Text whose mesh names are absolute paths of files that exist, inside `folders`.
+    folders : Folders
+        The robot's own.
     """
 
     urdf: str = field(repr=False)
-    roots: tuple[Path, ...]
+    folders: Folders
 
     def build(self, model: pin.Model, kind: pin.GeometryType) -> pin.GeometryModel:
-        """Read the meshes and place the shapes on the model's joints.
+        """Read the meshes and place the shapes on the model's joints; those that cannot be read are left out."""
+        return _built(self, model, kind)[0]
 
-        Raises
-        ------
-        ModelError
-            For a mesh that cannot be read, that has a non-finite vertex, or that takes its texture
-            from outside the robot's folders.
-        """
-        try:
-            geometry = pin.buildGeomFromUrdfString(model, self.urdf, kind)
-        except (ValueError, RuntimeError) as error:
-            raise ModelError(f"the shapes cannot be built: {str(error).strip()}") from error
-        for shape in geometry.geometryObjects:
-            vertices = getattr(shape.geometry, "vertices", None)
-            if vertices is not None and not np.isfinite(vertices()).all():
-                raise ModelError(f"{shape.meshPath}: this mesh has a non-finite vertex")
-            if shape.meshPath.lower().endswith(".dae"):
-                _check_textures(Path(shape.meshPath), self.roots)
-        return geometry
+    def unreadable(self, model: pin.Model, kind: pin.GeometryType) -> tuple[str, ...]:
+        """Link, mesh and reason of each shape that `build` leaves out."""
+        return _built(self, model, kind)[1]
 
 
 def confined_geometry(urdf: Urdf, package_dirs: Sequence[str | Path]) -> tuple[Geometry, tuple[str, ...]]:
-    """Geometry of a checked URDF, and the meshes that were left out because their file is not there.
+    """Geometry of a checked URDF, and what was left out of it: link, mesh name and reason, once each.
 
-    Mesh names are replaced by the path that was checked, so that nothing else can be opened later; shapes
-    whose mesh is missing are taken out of the tree.
-
-    Raises
-    ------
-    ModelError
-        For a mesh outside `package_dirs`, the URDF's folder and the package that the URDF lies in, or one
-        that is not a file (``http://``).
+    Mesh names are replaced by the path that was checked, so that nothing else can be opened later; shapes whose mesh is
+    missing, or lies outside `package_dirs`, the URDF's folder and the package that the URDF lies in, are taken out of
+    the tree.
     """
-    text = urdf.text
-    home = text.path.resolve().parent
-    packages = [Path(folder).resolve() for folder in package_dirs]
-    roots = tuple(dict.fromkeys([home, *packages, *_own_package(home)]))
+    folders = own_folders(urdf.text.path, package_dirs)
     missing = []
     for name, link in urdf.links.items():
         for shape in [*link.findall("visual"), *link.findall("collision")]:
             mesh = shape.find("geometry/mesh")
             if mesh is None:
                 continue
-            try:
-                path = _mesh_path(text, mesh, packages, home)
-                exists = path is not None and path.is_file()
-            except (OSError, RuntimeError, ValueError) as error:  # too long a name, a loop of links
-                raise text.fault(mesh, f"filename={mesh.get('filename')!r} is no usable path: {error}") from error
-            if path is not None and not any(path.is_relative_to(root) for root in roots):
-                folders = ", ".join(map(str, roots))
-                raise text.fault(
-                    mesh,
-                    f"filename={mesh.get('filename')!r} is {path}, not in the robot's folders: {folders}",
-                )
-            if not exists:
+            path, why = found_mesh(mesh.get("filename", ""), folders)
+            if path is None:
                 link.remove(shape)
-                missing.append(f"link {name!r}: {mesh.get('filename')}")
+                missing.append(f"link {name!r}: {mesh.get('filename')} {why}")
             else:
                 mesh.set("filename", str(path))
-    geometry = Geometry(urdf=urdf.xml(("visual", "collision")), roots=roots)
-    return geometry, tuple(dict.fromkeys(missing))
+    return Geometry(urdf=urdf.xml(("visual", "collision")), folders=folders), tuple(dict.fromkeys(missing))
 
 
-def _own_package(home: Path) -> list[Path]:
-    """The ROS package that the URDF lies in, if any: its nearest folder upwards with a package.xml."""
-    return [folder for folder in (home, *home.parents) if (folder / "package.xml").is_file()][:1]
+@lru_cache(maxsize=4)
+def _built(geometry: Geometry, model: Any, kind: Any) -> tuple[Any, tuple[str, ...]]:
+    """The shapes and what was left out; kept, as reading meshes takes seconds."""
+    tree = ET.fromstring(geometry.urdf)
+    files = {mesh.get("filename", "") for mesh in tree.iter("mesh")}
+    left_out = _without(tree, {name: why for name in files if (why := _unfit_collada(Path(name), geometry.folders))})
+    try:
+        shapes = _shapes(tree, model, kind)
+    except (ValueError, RuntimeError):  # which of them, Pinocchio does not say
+        left_out += _without(tree, {name: why for name in files if (why := _why_unreadable(name))})
+        shapes = _shapes(tree, model, kind)
+    nowhere = {shape.meshPath for shape in shapes.geometryObjects if not _is_finite(shape)}
+    if nowhere:
+        left_out += _without(tree, dict.fromkeys(nowhere, "has a vertex at no finite place"))
+        shapes = _shapes(tree, model, kind)
+    return shapes, tuple(dict.fromkeys(left_out))
 
 
-def _mesh_path(text: UrdfText, mesh: ET.Element, packages: Sequence[Path], home: Path) -> Path | None:
-    """The file that a mesh name means, links resolved; None for a package that is not found."""
-    name = mesh.get("filename", "")
-    scheme, separator, rest = name.partition("://")
-    if not separator:
-        return (home / name).resolve()
-    if scheme == "file":
-        return Path(unquote(rest)).resolve()
-    if scheme != "package":
-        raise text.fault(
-            mesh, f"filename={name!r}: only package://, file:// and plain paths are opened, not {scheme}://"
-        )
-    package, _, inside = rest.partition("/")
-    if package in ("", ".", ".."):
-        raise text.fault(mesh, f"filename={name!r} leaves the robot's folders: {package!r} is no package name")
-    own = [folder for folder in _own_package(home) if folder.name == package]
-    found = [folder / package for folder in packages if (folder / package).is_dir()] + own
-    return _inside_package(text, mesh, found[0].resolve(), inside) if found else None
+def _shapes(tree: ET.Element, model: Any, kind: Any) -> Any:
+    return pin.buildGeomFromUrdfString(model, ET.tostring(tree, encoding="unicode"), kind)
 
 
-def _inside_package(text: UrdfText, mesh: ET.Element, package: Path, inside: str) -> Path:
-    path = (package / inside.lstrip("/")).resolve()
-    if not path.is_relative_to(package):
-        raise text.fault(mesh, f"filename={mesh.get('filename')!r} leads to {path}, outside its package {package}")
-    return path
+def _without(tree: ET.Element, reasons: Mapping[str, str]) -> list[str]:
+    """Take the shapes with these meshes out of a URDF's tree; link, mesh and reason of each."""
+    told = []
+    for link in tree.findall("link"):
+        for shape in list(link):
+            mesh = shape.find("geometry/mesh")
+            name = "" if mesh is None else mesh.get("filename", "")
+            if name in reasons:
+                link.remove(shape)
+                told.append(f"link {link.get('name')!r}: {name} {reasons[name]}")
+    return told
 
 
-def _check_textures(path: Path, roots: Sequence[Path]) -> None:
-    """Refuse a Collada file with an image outside the robot's folders: a viewer would copy it."""
+def _why_unreadable(name: str) -> str:
+    """Why Pinocchio cannot read a mesh file; "" where it can."""
+    probe = _PROBE.format(mesh=ET.tostring(ET.Element("mesh", filename=name), encoding="unicode"))
+    try:
+        pin.buildGeomFromUrdfString(pin.buildModelFromXML(probe), probe, pin.GeometryType.VISUAL)
+    except (ValueError, RuntimeError) as error:
+        return f"cannot be read: {str(error).strip().splitlines()[-1].strip()}"
+    return ""
+
+
+def _is_finite(shape: Any) -> bool:
+    vertices = getattr(shape.geometry, "vertices", None)
+    return vertices is None or bool(np.isfinite(vertices()).all())
+
+
+def _unfit_collada(path: Path, folders: Folders) -> str:
+    """Why a Collada file is not drawn: an image outside the robot's folders, which a viewer would copy."""
+    if path.suffix.lower() != ".dae":
+        return ""
+    try:
+        images = _collada_images(path)
+    except (ModelError, expat.ExpatError) as error:
+        return f"is not well-formed XML: {error}"
+    for image in images:
+        target = path.parent / unquote(image.removeprefix("file://"))
+        if not folders.holds(target):
+            return f"takes its texture {image!r} from outside the robot's folders"
+    return ""
+
+
+def _collada_images(path: Path) -> list[str]:
+    """Files that a Collada file takes images from."""
     images: list[str] = []
     inside = 0
 
@@ -151,17 +155,11 @@ def _check_textures(path: Path, roots: Sequence[Path]) -> None:
         if inside:
             images[-1] += data
 
-    def refuse_doctype(*_: object) -> None:
-        raise ModelError(f"{path}: a document type (DOCTYPE) is not allowed in a mesh file")
+    def refuse_doctype(*_: object) -> NoReturn:
+        raise ModelError("a document type (DOCTYPE) is not allowed in a mesh file")
 
     parser = expat.ParserCreate()
     parser.StartElementHandler, parser.EndElementHandler, parser.CharacterDataHandler = start, end, text
     parser.StartDoctypeDeclHandler = refuse_doctype
-    try:
-        parser.Parse(path.read_bytes(), True)
-    except expat.ExpatError as error:
-        raise ModelError(f"{path}: not well-formed XML: {error}") from error
-    for image in filter(None, (name.strip() for name in images)):
-        target = Path(unquote(image.removeprefix("file://")))
-        if not any((path.parent / target).resolve().is_relative_to(root) for root in roots):
-            raise ModelError(f"{path}: its texture {image!r} lies outside the robot's folders")
+    parser.Parse(path.read_bytes().rstrip(b"\0\r\n\t "), True)  # zeros after the end: ros-industrial's iiwa 14
+    return [name for name in (image.strip() for image in images) if name]

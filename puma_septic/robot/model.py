@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from types import MappingProxyType
 from typing import Any, TypeVar, final
 
 import numpy as np
@@ -17,6 +18,7 @@ from puma_septic.errors import InputError
 from puma_septic.friction import Friction
 from puma_septic.quantities import QUANTITIES
 from puma_septic.robot._actuator import Actuator
+from puma_septic.robot._mimic import Mimic
 from puma_septic.robot.meshes import Geometry
 from puma_septic.robot.values import Limits, Payload, Wrench
 from puma_septic.validation import Array, checked_array, checked_choice, read_only
@@ -57,7 +59,12 @@ class Robot:
         Joints whose torque is not known, because the URDF has no inertia at all for what they move, or one that no
         body can have.
     missing_meshes : tuple of str
-        Link and mesh name of each shape that is left out because its file was not found.
+        Link, mesh name and reason of each shape that is left out because its file cannot be used.
+    mimics : mapping of str to Mimic
+        Joints of the model without a coordinate of their own, and what they follow: the torque of both is at the
+        joint that they follow.
+    tool_is_chosen : bool
+        Nobody named the tool.
     payload : Payload or None
     wrench : Wrench or None
     notes : tuple of str
@@ -85,6 +92,8 @@ class Robot:
     geometry: Geometry
     missing_inertia: tuple[str, ...] = ()
     missing_meshes: tuple[str, ...] = ()
+    mimics: Mapping[str, Mimic] = field(default_factory=dict)
+    tool_is_chosen: bool = False
     payload: Payload | None = None
     wrench: Wrench | None = None
     notes: tuple[str, ...] = ()
@@ -101,6 +110,7 @@ class Robot:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "drivetrains", tuple(self.drivetrains))
+        object.__setattr__(self, "mimics", MappingProxyType(dict(self.mimics)))
         self._check_consistent()
         joints = [self.bare_model.joints[self.bare_model.getJointId(name)] for name in self.joint_names]
         derived = {
@@ -180,6 +190,11 @@ class Robot:
         return self.geometry.build(self.bare_model, pin.GeometryType.VISUAL)
 
     @property
+    def undrawn(self) -> tuple[str, ...]:
+        """Link, mesh and reason of every visual shape that is not drawn; reads the meshes, as `visual_model` does."""
+        return (*self.missing_meshes, *self.geometry.unreadable(self.bare_model, pin.GeometryType.VISUAL))
+
+    @property
     def collision_model(self) -> pin.GeometryModel:
         """Shapes to test for contact, without pairs; built on each access like `visual_model`."""
         return self.geometry.build(self.bare_model, pin.GeometryType.COLLISION)
@@ -220,7 +235,7 @@ class Robot:
 
     def with_tool(self, tool: str) -> Robot:
         """The same arm with another frame as its tool."""
-        return replace(self, tool=tool)
+        return replace(self, tool=tool, tool_is_chosen=False)
 
     def with_actuators(self, actuators: Iterable[Actuator]) -> Robot:
         """The same arm with other drives in their short form, one per joint.

@@ -1,24 +1,25 @@
-"""What Pinocchio made of a checked URDF: complete, and with a joint-space inertia that can be inverted."""
+"""What Pinocchio made of a checked URDF: complete, and whose torque can be computed."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Final
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
-from puma_septic.errors import ModelError
 from puma_septic.robot.urdf_checks import Urdf
 from puma_septic.robot.urdf_schema import vector
 from puma_septic.validation import Array
 
-__all__ = ["check_complete", "check_inertia", "massless_notes"]
+__all__ = ["check_complete", "massless_notes", "unknown_torques"]
 
-N_CONFIGURATIONS = 20
-SEED = 560
-SINGULAR = 1e-12  # of a matrix with unit diagonal: rounding leaves some 1e-16 of a zero eigenvalue
-FAR = 1e3  # rad or m: a limit beyond it is a placeholder such as 1e16
-NO_INERTIA = 1e-12  # kg m^2 (kg for prismatic joints), far below a watch's hand
+N_CONFIGURATIONS: Final = 20
+SEED: Final = 560
+SINGULAR: Final = 1e-12  # of a matrix with unit diagonal: rounding leaves some 1e-16 of a zero eigenvalue
+FAR: Final = 1e3  # rad or m: a limit beyond it is a placeholder such as 1e16
+NO_INERTIA: Final = 1e-12  # kg m^2 (kg for prismatic joints), far below a watch's hand
 
 
 def check_complete(model: pin.Model, urdf: Urdf) -> None:
@@ -29,17 +30,21 @@ def check_complete(model: pin.Model, urdf: Urdf) -> None:
     ModelError
         If Pinocchio lost or added a joint or a mass.
     """
-    names = list(model.names)[1:]
-    if sorted(names) != sorted(urdf.moving) or model.nv != len(names):
-        raise ModelError(f"{urdf.text.path}: Pinocchio reads the joints {names}, the text has {list(urdf.moving)}")
+    names, expected = list(model.names)[1:], [*urdf.moving, *urdf.mimics]
+    if sorted(names) != sorted(expected) or model.nv != len(urdf.moving):
+        raise urdf.text.complaint(f"Pinocchio reads the joints {names}, the text has {expected}")
     masses = [vector(link.find("inertial/mass"), "value", (0.0,))[0] for link in urdf.links.values()]
     read = sum(inertia.mass for inertia in model.inertias)
     if not np.isclose(read, sum(masses), rtol=1e-9, atol=0.0):  # rounding of a sum of at most 200 terms
-        raise ModelError(f"{urdf.text.path}: Pinocchio reads {read:g} kg, the text has {sum(masses):g} kg")
+        raise urdf.text.complaint(f"Pinocchio reads {read:g} kg, the text has {sum(masses):g} kg")
 
 
-def check_inertia(model: pin.Model, armature: Array, path: object) -> tuple[str, ...]:
-    """Names of joints that move no inertia (20 seeded configurations); the others' must be positive definite.
+def unknown_torques(model: pin.Model, armature: Array, urdf: Urdf) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Joints whose torque cannot be computed, in the order of the text, and notes of why.
+
+    They are those that move no inertia at all (20 seeded configurations), those that carry a link whose inertia no body
+    can have, and all of them where the joint-space inertia, rotors included, is not positive definite: no acceleration
+    belongs to a torque then.
 
     Parameters
     ----------
@@ -47,38 +52,50 @@ def check_inertia(model: pin.Model, armature: Array, path: object) -> tuple[str,
         Without armature.
     armature : ndarray, shape (nv,)
         Rotor inertia at the joint in Pinocchio's order, 0 where unknown.
-    path : object
-        File named in the message.
-
-    Raises
-    ------
-    ModelError
-        If the joint-space inertia, rotors included, is not positive definite: no acceleration belongs to a
-        torque then.
+    urdf : Urdf
     """
-    data = model.createData()
-    inertias = np.array([np.array(pin.crba(model, data, q)) for q in _configurations(model)])
-    upper = np.triu(inertias)  # crba fills the upper triangle alone
-    inertias = upper + np.triu(upper, 1).transpose(0, 2, 1)
+    inertias = _inertias(model)
     present = ~(np.diagonal(inertias, axis1=1, axis2=2).max(axis=0) <= NO_INERTIA)
-    inertias = (inertias + np.diag(armature))[:, present][:, :, present]
-    diagonals = np.abs(np.diagonal(inertias, axis1=1, axis2=2))
-    scales = np.sqrt(np.maximum(diagonals, NO_INERTIA))  # so that kg m^2 and kg compare
-    lowest = np.linalg.eigvalsh(inertias / (scales[:, :, None] * scales[:, None, :]))[:, :1]
-    if not (lowest > SINGULAR).all():
-        raise ModelError(
-            f"{path}: the joint-space inertia is not positive definite: masses and inertias are not those of bodies"
-        )
     joints = zip(list(model.joints)[1:], list(model.names)[1:], strict=True)  # the first is the world
-    return tuple(name for joint, name in joints if not present[joint.idx_v])
+    empty = {name for joint, name in joints if joint.nv == 1 and not present[joint.idx_v]}
+    carriers = _unsound_carriers(urdf)
+    if not _is_positive_definite(inertias + np.diag(armature), present):
+        note = (
+            "the joint-space inertia is not positive definite: masses and inertias are not those of bodies; no torque"
+        )
+        return urdf.moving, (note,)
+    missing = tuple(name for name in urdf.moving if name in empty or name in carriers)
+    notes = [f"link {link!r} has no usable inertia: {why}" for link, why in urdf.unusable.items() if carriers]
+    return missing, tuple(notes)
 
 
 def massless_notes(model: pin.Model, urdf: Urdf) -> Iterator[str]:
     """Note each moving joint whose own body (with all that is fixed to it) has neither mass nor inertia."""
-    for name in urdf.moving:
+    for name in (*urdf.moving, *urdf.mimics):
         body = model.inertias[model.getJointId(name)]
         if body.mass == 0 and not body.inertia.any():
             yield f"link {urdf.joints[name].child!r}: moves, but the URDF has no inertia for it; massless"
+
+
+def _unsound_carriers(urdf: Urdf) -> set[str]:
+    """Joints that carry a link whose inertia is not usable, those that drive them by a coupling with them."""
+    carrying = {name for link in urdf.unusable for name in urdf.carriers(link)}
+    return carrying | {mimic.master for name, mimic in urdf.mimics.items() if name in carrying}
+
+
+def _inertias(model: pin.Model) -> Array:
+    data = model.createData()
+    upper = np.triu([np.array(pin.crba(model, data, q)) for q in _configurations(model)])  # the upper triangle alone
+    return np.asarray(upper + np.triu(upper, 1).transpose(0, 2, 1))
+
+
+def _is_positive_definite(inertias: Array, present: NDArray[np.bool_]) -> bool:
+    """Whether the inertia between the joints that move any is that of bodies."""
+    inertias = inertias[:, present][:, :, present]
+    diagonals = np.abs(np.diagonal(inertias, axis1=1, axis2=2))
+    scales = np.sqrt(np.maximum(diagonals, NO_INERTIA))  # so that kg m^2 and kg compare
+    lowest = np.linalg.eigvalsh(inertias / (scales[:, :, None] * scales[:, None, :]))[:, :1]
+    return bool((lowest > SINGULAR).all())
 
 
 def _configurations(model: pin.Model) -> Iterator[Array]:

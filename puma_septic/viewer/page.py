@@ -108,7 +108,7 @@ def _motion_data(one: Shown, k: int) -> dict[str, Any]:
         "vias": [[float(time), *place] for time, place in zip(trajectory.marked[0], one.vias.tolist(), strict=True)],
         "flags": [_flag_data(flag) for flag in one.flags],
         "payload": f"{payload.mass:g} kg" if payload is not None and payload.mass > 0 else "",
-        "missing": list(robot.missing_meshes),
+        "missing": list(robot.undrawn),
     }
 
 

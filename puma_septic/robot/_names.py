@@ -1,0 +1,86 @@
+"""Robots by name: the PUMA 560 of this package and those of example-robot-data."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+import pinocchio as pin
+
+from puma_septic.errors import InputError
+
+__all__ = ["named_robots", "robot_file"]
+
+BUILT_IN: Final = "puma560"
+_SUFFIXES: Final = (".urdf", ".xml", ".xacro")
+
+
+@cache
+def named_robots() -> dict[str, Path]:
+    """URDF of each robot that can be loaded by name.
+
+    Those of example-robot-data are called by their file, without what all have (``ur5_robot.urdf``: ur5), or by their
+    folder where two files have one name.
+
+    Returns
+    -------
+    dict of str to Path
+    """
+    files = sorted(folder for root in _example_folders() for folder in root.rglob("*.urdf"))
+    counts = Counter(_short(path.stem) for path in files), Counter(path.stem.lower() for path in files)
+    names = [_name(path, *counts) for path in files]
+    return {BUILT_IN: data_folder() / f"{BUILT_IN}.urdf", **dict(sorted(zip(names, files, strict=True)))}
+
+
+def robot_file(source: str | Path) -> Path:
+    """The URDF of a name, or of a path.
+
+    Raises
+    ------
+    InputError
+        For XML text, and for what is neither a name nor a file that exists.
+    """
+    if isinstance(source, str) and source.lstrip().startswith("<"):
+        raise InputError("source: this is XML text; write it to a .urdf file and pass its path")
+    path = Path(source)
+    if isinstance(source, Path) or path.name != source or path.suffix.lower() in _SUFFIXES:
+        return path
+    if source in (names := named_robots()):
+        return names[source]
+    if _exists(path):
+        return path
+    raise InputError(f"unknown robot {source!r}; valid: {', '.join(map(repr, names))}, or the path of a .urdf file")
+
+
+def data_folder() -> Path:
+    """`urdf` lies inside the installed package, or beside it in the source tree."""
+    package = Path(__file__).resolve().parents[1]
+    inside = package / "urdf"
+    return inside if inside.is_dir() else package.parent / "urdf"
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:  # a name too long for the file system
+        return False
+
+
+def _example_folders() -> list[Path]:
+    """Where example-robot-data 6 lies: files without a Python module, under the prefix that Pinocchio lies in."""
+    folders = (parent / "share" / "example-robot-data" / "robots" for parent in Path(pin.__file__).parents)
+    return [folder for folder in folders if folder.is_dir()][:1]
+
+
+def _name(path: Path, short: Counter[str], whole: Counter[str]) -> str:
+    stem = path.stem.lower()
+    if short[_short(stem)] == 1:
+        return _short(stem)
+    return stem if whole[stem] == 1 else _short(path.parents[1].name)
+
+
+def _short(name: str) -> str:
+    return re.sub(r"(_simple)?(_description|_data|_robot)$", "", name.lower())

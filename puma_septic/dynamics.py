@@ -163,8 +163,10 @@ def mass_matrix(robot: Robot, q: Array) -> Array:
 
     kg m^2 between revolute joints, kg between prismatic ones; by the composite-rigid-body algorithm.
     """
-    data = robot.model.createData()
-    full = [pin.crba(robot.model, data, row).copy() for row in robot.configurations(q)]
+    model = robot.model
+    # With mimicking joints crba adds to what the call before left in the data (pin 4.1.0).
+    kept = None if robot.mimics else model.createData()
+    full = [pin.crba(model, kept or model.createData(), row).copy() for row in robot.configurations(q)]
     return np.array([robot.from_tangents(robot.from_tangents(matrix).T) for matrix in full])
 
 

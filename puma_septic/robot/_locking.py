@@ -141,7 +141,7 @@ def set_origin(element: ET.Element, **values: Array) -> None:
 
 def _check_within(element: ET.Element, name: str, position: float) -> None:
     lower, upper = position_range(element)
-    if position < lower or position > upper:
+    if not lower > upper and (position < lower or position > upper):
         raise InputError(f"locked[{name!r}] = {position:g} is outside the joint's limits [{lower:g}, {upper:g}]")
 
 

@@ -109,7 +109,7 @@ def _packages(package: str, folders: Folders) -> Iterator[Path]:
         yield from _below(folder, package)
     above = [folders.home, *folders.home.parents][: _UP + 1]
     yield from (folder for folder in above if _is_called(folder, package))
-    yield from (child for folder in above[1:] for child in _children(folder) if _is_called(child, package))
+    yield from (child for folder in above for child in _children(folder) if _is_called(child, package))
 
 
 def _is_called(folder: Path, package: str) -> bool:

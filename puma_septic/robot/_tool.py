@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection
 from typing import Final
 
 from puma_septic.robot.urdf_checks import Urdf
@@ -27,13 +27,13 @@ _GRIPS: Final = re.compile(r"gripper", re.IGNORECASE)  # of a joint; of a link i
 _FAR_OUT: Final = 0.5
 
 
-def chosen_tool(urdf: Urdf) -> tuple[str, str]:
+def chosen_tool(urdf: Urdf, locked: Collection[str] = ()) -> tuple[str, str]:
     """The frame that is taken for the tool, and a note of why and what else there is.
 
     A frame whose name says so: tool0, tcp, end effector, tool, flange, in this order, far out on the arm; else the end
     of the longest chain, fingers left out; among equals not one behind a sliding or locked joint.
     """
-    lengths = {link: _length(urdf, link) for link in urdf.links}
+    lengths = {link: _length(urdf, link, locked) for link in urdf.links}
     most = max(moving for moving, _ in lengths.values())
     named = [
         (rank, link)
@@ -48,7 +48,9 @@ def chosen_tool(urdf: Urdf) -> tuple[str, str]:
         ends = dict.fromkeys(_without_fingers(urdf, link) for link in _ends(urdf))
         longest = max(lengths[link] for link in ends)
         candidates, why = [link for link in ends if lengths[link] == longest], "the last link of the longest chain"
-    chosen = max(candidates, key=lambda link: (not _is_doubtful(urdf, link), lengths[link], candidates.index(link)))
+    chosen = max(
+        candidates, key=lambda link: (not _is_doubtful(urdf, link, locked), lengths[link], candidates.index(link))
+    )
     others = [link for link in candidates if link != chosen]
     as_good = f" (as good: {', '.join(others)})" if others else ""
     return chosen, f"tool frame {chosen!r}: {why}{as_good}; tool=... names another"
@@ -59,10 +61,10 @@ def _ends(urdf: Urdf) -> list[str]:
     return [link for link in urdf.links if link not in parents]
 
 
-def _length(urdf: Urdf, link: str) -> tuple[int, int]:
-    """Moving joints, and all joints, from the base to a link."""
-    carriers = urdf.carriers(link)
-    return sum(urdf.joints[name].kind != "fixed" for name in carriers), len(carriers)
+def _length(urdf: Urdf, link: str, locked: Collection[str]) -> tuple[int, int]:
+    """Joints with a motor of their own, and all joints, from the base to a link."""
+    carriers, moving = urdf.carriers(link), set(urdf.moving) - set(locked)
+    return sum(name in moving for name in carriers), len(carriers)
 
 
 def _is_finger(urdf: Urdf, link: str) -> bool:
@@ -76,25 +78,31 @@ def _without_fingers(urdf: Urdf, link: str) -> str:
     palm, place = link, link
     while place in above:
         joint = above[place]
-        is_coupled = joint.name in urdf.mimics or joint.name in masters
+        master = urdf.mimics[joint.name].master if joint.name in urdf.mimics else joint.name
         named = _FINGER.search(f"{joint.name} {joint.child}") or _GRIPS.search(joint.name)
-        moves_finger = joint.element.get("type") != "fixed" and named
-        if moves_finger or (is_coupled and _is_at_the_end(urdf, joint.child, above)):
+        moves_finger = joint.kind != "fixed" and named
+        if moves_finger or (master in masters and _is_gripper(urdf, master) and _is_at_the_end(urdf, joint.child)):
             palm = joint.parent
         place = joint.parent
     return palm
 
 
-def _is_at_the_end(urdf: Urdf, link: str, above: Mapping[str, object]) -> bool:
-    """Whether nothing that moves on its own hangs on a link: of a gripper, not of an arm with a parallelogram."""
-    return not any(link in _path(urdf, urdf.joints[name].parent) for name in urdf.moving if above)
+def _is_gripper(urdf: Urdf, master: str) -> bool:
+    """Whether all that follows a joint hangs on the link that it hangs on, as levers of a parallelogram do not."""
+    followers = [name for name, mimic in urdf.mimics.items() if mimic.master == master]
+    return all(urdf.joints[master].parent in _path(urdf, urdf.joints[name].parent) for name in followers)
+
+
+def _is_at_the_end(urdf: Urdf, link: str) -> bool:
+    """Whether nothing that moves on its own hangs on a link."""
+    return not any(link in _path(urdf, urdf.joints[name].parent) for name in urdf.moving)
 
 
 def _path(urdf: Urdf, link: str) -> list[str]:
     return [link, *(urdf.joints[name].parent for name in urdf.carriers(link))]
 
 
-def _is_doubtful(urdf: Urdf, link: str) -> bool:
+def _is_doubtful(urdf: Urdf, link: str, locked: Collection[str]) -> bool:
     """Whether the last joint that could move it slides or is locked."""
-    movable = [urdf.joints[name] for name in urdf.carriers(link) if urdf.joints[name].element.get("type") != "fixed"]
-    return bool(movable) and (movable[0].kind == "fixed" or movable[0].kind == "prismatic")
+    movable = [urdf.joints[name] for name in urdf.carriers(link) if urdf.joints[name].kind != "fixed"]
+    return bool(movable) and (movable[0].name in locked or movable[0].kind == "prismatic")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
@@ -243,7 +243,7 @@ def _arranged(
 ) -> tuple[Urdf, tuple[str, tuple[str, ...]]]:
     """The robot with its joints locked; the tool, and a note where it was chosen."""
     whole, urdf = urdf, with_locks(urdf, positions)
-    tool, notes = (wanted, ()) if wanted is not None else _chosen(urdf)
+    tool, notes = (wanted, ()) if wanted is not None else _chosen(whole, positions)
     link = urdf.joints[tool].child if tool not in urdf.links else tool
     check_followers(whole, positions, link)
     if lock_others:
@@ -253,8 +253,8 @@ def _arranged(
     return urdf, (tool, notes)
 
 
-def _chosen(urdf: Urdf) -> tuple[str, tuple[str, ...]]:
-    tool, note = chosen_tool(urdf)
+def _chosen(urdf: Urdf, locked: Collection[str]) -> tuple[str, tuple[str, ...]]:
+    tool, note = chosen_tool(urdf, locked)
     return tool, (note,)
 
 
@@ -290,5 +290,6 @@ def _write_ranges(model: pin.Model, urdf: Urdf) -> None:
         joint = model.joints[model.getJointId(name)]
         if joint.nq == 1:
             low, high = position_range(urdf.joints[name].element)
+            low, high = (np.nan, np.nan) if low > high else (low, high)  # swapped, and known from elsewhere
             lower[joint.idx_q], upper[joint.idx_q] = np.nan_to_num(low, nan=-np.inf), np.nan_to_num(high, nan=np.inf)
     model.lowerPositionLimit, model.upperPositionLimit = lower, upper

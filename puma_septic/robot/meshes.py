@@ -21,6 +21,8 @@ from puma_septic.robot.urdf_checks import Urdf
 __all__ = ["Geometry", "confined_geometry"]
 
 _PROBE = '<robot name="p"><link name="l"><visual><geometry>{mesh}</geometry></visual></link></robot>'
+# Lines of coal's message beside the reason.
+_NOT_THE_REASON = ("From file", "in function", "at line", "message: Could not load", "Hint")
 
 
 @final
@@ -84,7 +86,7 @@ def _built(geometry: Geometry, model: Any, kind: Any) -> tuple[Any, tuple[str, .
         shapes = _shapes(tree, model, kind)
     nowhere = {shape.meshPath for shape in shapes.geometryObjects if not _is_finite(shape)}
     if nowhere:
-        left_out += _without(tree, dict.fromkeys(nowhere, "has a vertex at no finite place"))
+        left_out += _without(tree, dict.fromkeys(nowhere, "has a non-finite vertex"))
         shapes = _shapes(tree, model, kind)
     return shapes, tuple(dict.fromkeys(left_out))
 
@@ -112,7 +114,8 @@ def _why_unreadable(name: str) -> str:
     try:
         pin.buildGeomFromUrdfString(pin.buildModelFromXML(probe), probe, pin.GeometryType.VISUAL)
     except (ValueError, RuntimeError) as error:
-        return f"cannot be read: {str(error).strip().splitlines()[-1].strip()}"
+        lines = [line for line in str(error).strip().splitlines() if not line.startswith(_NOT_THE_REASON)]
+        return f"cannot be read: {lines[-1].strip() if lines else 'no reason is given'}"
     return ""
 
 

@@ -65,15 +65,16 @@ def unknown_torques(model: pin.Model, armature: Array, urdf: Urdf) -> tuple[tupl
         )
         return urdf.moving, (note,)
     missing = tuple(name for name in urdf.moving if name in empty or name in carriers)
-    notes = [f"link {link!r} has no usable inertia: {why}" for link, why in urdf.unusable.items() if carriers]
-    return missing, tuple(notes)
+    told = ", ".join(map(repr, urdf.unusable))
+    notes = (f"torque not known of what carries {told}, whose inertia is not usable",) if carriers else ()
+    return missing, notes
 
 
 def massless_notes(model: pin.Model, urdf: Urdf) -> Iterator[str]:
     """Note each moving joint whose own body (with all that is fixed to it) has neither mass nor inertia."""
     for name in (*urdf.moving, *urdf.mimics):
         body = model.inertias[model.getJointId(name)]
-        if body.mass == 0 and not body.inertia.any():
+        if body.mass == 0 and not body.inertia.any() and urdf.joints[name].child not in urdf.unusable:
             yield f"link {urdf.joints[name].child!r}: moves, but the URDF has no inertia for it; massless"
 
 
@@ -84,8 +85,8 @@ def _unsound_carriers(urdf: Urdf) -> set[str]:
 
 
 def _inertias(model: pin.Model) -> Array:
-    data = model.createData()
-    upper = np.triu([np.array(pin.crba(model, data, q)) for q in _configurations(model)])  # the upper triangle alone
+    # Fresh data each time: of mimicking joints crba adds to what is there (pin 4.1.0). It fills the upper triangle.
+    upper = np.triu([np.array(pin.crba(model, model.createData(), q)) for q in _configurations(model)])
     return np.asarray(upper + np.triu(upper, 1).transpose(0, 2, 1))
 
 

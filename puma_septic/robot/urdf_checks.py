@@ -252,7 +252,7 @@ def _tree_faults(text: UrdfText, links: Mapping[str, ET.Element], joints: Mappin
         faults.append(Finding(text=f"{len(roots)} links are child of no joint ({', '.join(roots)}); expected one"))
     depth = _below(_children(joints), roots)
     if not faults and (detached := [link for link in links if link not in depth]):
-        faults.append(Finding(text=f"links {', '.join(detached)} form a cycle that no base carries"))
+        faults.append(Finding(text=f"links {', '.join(detached)} form a loop that is not connected to the base"))
     if max(depth.values(), default=0) > MAX_DEPTH:
         faults.append(Finding(text=f"a chain of {max(depth.values())} joints; at most {MAX_DEPTH} are allowed"))
     return faults

@@ -113,7 +113,6 @@ EXPAND: Final = (
     " arm.urdf"
 )
 SYMMETRIC: Final = {"iyx": "ixy", "izx": "ixz", "izy": "iyz"}
-NOT_USED: Final = "not used"
 
 
 def check_schema(text: UrdfText) -> dict[ET.Element, list[Finding]]:
@@ -134,7 +133,7 @@ def summarised(findings: Iterable[Finding]) -> list[Finding]:
     """All findings, each once: what means nothing here in one note for elements and attributes, xacro's first alone."""
     found = list(findings)
     ignored = {
-        kind: list(dict.fromkeys(one.attribute for one in found if one.text == f"{kind} {NOT_USED}"))
+        kind: list(dict.fromkeys(one.attribute for one in found if one.kind == "ignored" and one.text == kind))
         for kind in ("elements", "attributes")
     }
     notes = [
@@ -143,7 +142,7 @@ def summarised(findings: Iterable[Finding]) -> list[Finding]:
         if names
     ]
     xacro = [one for one in found if one.kind == "refusal" and EXPAND in one.text]
-    kept = [one for one in found if not one.text.endswith(f" {NOT_USED}") and one not in xacro[1:]]
+    kept = [one for one in found if one.kind != "ignored" and one not in xacro[1:]]
     return [*kept, *notes]
 
 
@@ -223,7 +222,7 @@ def _unknown_attribute(text: UrdfText, element: ET.Element, name: str) -> Iterat
         message = f"unknown attribute {name}={element.get(name)!r}; {valid}; did you mean {meant[0]!r}?"
         yield Finding(text=text.at(element, message), kind="refusal")
     else:
-        yield Finding(text=f"attributes {NOT_USED}", kind="note", attribute=f"<{element.tag} {name}>")
+        yield Finding(text="attributes", kind="ignored", attribute=f"<{element.tag} {name}>")
 
 
 def _is_misspelt(element: ET.Element, name: str) -> bool:
@@ -246,7 +245,7 @@ def _unknown_element(text: UrdfText, element: ET.Element, known: Mapping[str, in
     meant = [tag for tag in known if _resembles(element.tag, tag)]
     if meant:
         return Finding(text=text.at(element, f"unknown element; did you mean <{meant[0]}>?"), kind="refusal")
-    return Finding(text=f"elements {NOT_USED}", kind="note", attribute=f"<{element.tag}>")
+    return Finding(text="elements", kind="ignored", attribute=f"<{element.tag}>")
 
 
 def _counts(text: UrdfText, element: ET.Element, part: ET.Element | None) -> Iterator[Finding]:

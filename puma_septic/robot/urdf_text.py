@@ -27,9 +27,10 @@ class Finding:
     ----------
     text : str
         Where it is, what it is, and what would be valid.
-    kind : {"note", "fault", "refusal"}
-        Odd but usable; wrong, which stops only what depends on it where its part can be left out; or what stops all
-        the same, such as a misspelt attribute.
+    kind : {"note", "ignored", "fault", "refusal"}
+        Odd but usable; of no meaning here (`text` is "elements" or "attributes", `attribute` the name); wrong, which
+        stops only what depends on it where its part can be left out; or what stops all the same, such as a misspelt
+        attribute.
     part : Element or None
         The part of a link or joint that is left out for a fault; None where nothing can be read without it.
     attribute : str
@@ -37,7 +38,7 @@ class Finding:
     """
 
     text: str
-    kind: Literal["note", "fault", "refusal"] = "fault"
+    kind: Literal["note", "ignored", "fault", "refusal"] = "fault"
     part: ET.Element | None = None
     attribute: str = ""
 

@@ -23,7 +23,7 @@ def test_ur5() -> None:
     assert robot.joint_names[:3] == ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint")
     assert robot.limits.effort.tolist() == [150.0, 150.0, 150.0, 28.0, 28.0, 28.0]  # as its URDF has them
     assert robot.missing_meshes == ()
-    assert any("tool frame 'tool0': the last link of the longest chain (as long: ee_link)" in n for n in robot.notes)
+    assert any("tool frame 'tool0': named like one" in n for n in robot.notes)
     assert robot.visual_model.ngeoms == 7
 
 
@@ -38,13 +38,8 @@ def test_panda_with_locked_fingers_is_pinocchios_reduced_model() -> None:
         q, v, a = rng.uniform(-1, 1, (3, 7))
         expected = pin.rnea(reduced, reduced.createData(), q, v, a)
         # the same bodies, added up in another order
-        assert ps.inverse_dynamics(robot, q, v, a) == pytest.approx(expected, rel=1e-12, abs=1e-12)
+        assert ps.inverse_dynamics(robot, q, v, a, friction=False) == pytest.approx(expected, rel=1e-12, abs=1e-12)
     assert robot.joint_names == tuple(f"panda_joint{i}" for i in range(1, 8))
-
-
-def test_panda_with_its_mimicking_finger_is_refused() -> None:
-    with pytest.raises(ps.ModelError, match="'panda_finger_joint2': a joint that mimics 'panda_finger_joint1'"):
-        ps.load_robot(PANDA)
 
 
 def test_kinova_has_continuous_joints() -> None:

@@ -73,11 +73,6 @@ def test_names_that_no_file_has(tmp_path: Path) -> None:
 
 
 FAULTS = {
-    "lacks a joint": (
-        "[parameters.new.joints.elbow]\ngear_ratio = 50.0\narmature = 0.5\n",
-        "",
-        "joint 'elbow' of the URDF has no entry; given: shoulder",
-    ),
     "unknown joint": (
         "new.joints.elbow",
         "new.joints.wrist",
@@ -97,28 +92,29 @@ FAULTS = {
     "unknown link": (
         "links.fore",
         "links.four",
-        r"arm\.toml: unknown link \(with <inertial>\) 'four'; valid: upper, fore",
+        r"arm\.toml: unknown link 'four'; valid: base, upper, fore, tip",
     ),
     "schema": ("schema = 1", "schema = 2", "schema = 2, expected schema = 1"),
     "other robot": ('robot = "arm"', 'robot = "leg"', "written for robot 'leg', but the URDF's is 'arm'"),
     "gear ratio 0": ("gear_ratio = -100.0", "gear_ratio = 0", "joint 'shoulder': gear_ratio = 0"),
-    "no gear ratio": ("gear_ratio = -100.0\n", "", "joint 'shoulder': gear_ratio is missing"),
     "both inertias": (
         "rotor_inertia = 1e-4",
         "rotor_inertia = 1e-4\narmature = 1",
-        "exactly one of rotor_inertia",
+        r"rotor_inertia \(motor side\) and armature \(joint side\) are given; one of them is meant",
     ),
-    "no inertia": ("rotor_inertia = 1e-4\n", "", "exactly one of rotor_inertia"),
+    "nothing": (DRIVES[DRIVES.index("default_parameters") :], "", "neither drives nor limits"),
+    "half a body": ("links.fore]\ncom = [0.0, 0.0, 0.25]", "links.tip]\nmass = 1.0", "needed too"),
+    "no body": ("com = [0.0, 0.0, 0.25]", "mass = -1.0", r"links.fore: mass = -1 kg must be at least 0"),
     "negative inertia": (
         "1e-4",
         "-1e-4",
         r"joint 'shoulder': rotor_inertia = -0.0001 kg m\^2 must be at least 0",
     ),
-    "nan": ("armature = 0.5", "armature = nan", "joint 'elbow' rotor inertia = nan is not a finite number"),
+    "nan": ("armature = 0.5", "armature = nan", "joint 'elbow' armature = nan is not a finite number"),
     "boolean": (
         "armature = 0.5",
         "armature = true",
-        "joint 'elbow' rotor inertia: expected a number, got True",
+        "joint 'elbow' armature: expected a number, got True",
     ),
     "text": ("armature = 0.5", 'armature = "0.5"', "expected a number, got '0.5'"),
     "friction sign": ("[0.02, -0.03]", "[0.02, 0.03]", r"coulomb_friction = \[0.02, 0.03\] N m: the first"),
@@ -149,7 +145,7 @@ FAULTS = {
 @pytest.mark.parametrize("fault", FAULTS)
 def test_refuses_what_does_not_describe_the_arm(tmp_path: Path, fault: str) -> None:
     old, new, message = FAULTS[fault]
-    parameters = "worn" if fault == "unknown link" else None
+    parameters = "worn" if fault in ("unknown link", "half a body", "no body") else None
     with pytest.raises(ps.ModelError, match=message):
         load(tmp_path, ARM, replaced(old, new, DRIVES), parameters=parameters)
 
@@ -188,3 +184,84 @@ def test_a_joint_of_the_puma_can_be_locked() -> None:
     expected = ps.inverse_dynamics(whole, *full)[kept]
     # Rounding of the locked joints' rotations: some roundings of 40 N m.
     np.testing.assert_allclose(ps.inverse_dynamics(robot, q, v, a), expected, rtol=0, atol=1e-12)
+
+
+def test_what_a_file_does_not_tell_is_unknown(tmp_path: Path) -> None:
+    """Limits alone, one joint alone, a rotor without its gears: each was refused."""
+    limits = "schema = 1\n[limits.own]\neffort = { shoulder = 40.0 }\n"
+    robot = load(tmp_path, ARM, limits)
+    assert robot.limits.effort[0] == 40.0
+    assert np.isnan([actuator.gear_ratio for actuator in robot.actuators]).all()
+    part = DRIVES.replace("[parameters.new.joints.elbow]\ngear_ratio = 50.0\narmature = 0.5\n", "")
+    part = part.replace("gear_ratio = -100.0\n", "", 1)
+    shoulder, elbow = load(tmp_path, ARM, part).actuators
+    assert (shoulder.rotor_inertia, np.isnan(shoulder.gear_ratio)) == (1e-4, True)
+    assert np.isnan([shoulder.armature, elbow.armature]).all()
+    lines = ps.assess(load(tmp_path, ARM, part), ps.profiles.quintic([[0.0, 0.0], [0.3, 0.3]], [0.0, 1.0])).not_assessed
+    assert "rotor inertia (its torque is left out): unknown for all joints" in lines
+
+
+def test_an_armature_without_gear_ratio_counts_at_the_joint(tmp_path: Path) -> None:
+    drives = DRIVES.replace("gear_ratio = 50.0\n", "")
+    robot = load(tmp_path, ARM, drives)
+    assert robot.armature == pytest.approx([1.0, 0.5], rel=1e-15)
+    assert robot.actuators[1].armature == 0.5
+
+
+DYNAMICS = '<dynamics damping="0.5" friction="1.5" rotor_inertia="0.1"/></joint>'
+TRANSMISSION = """<transmission name="t"><type>transmission_interface/SimpleTransmission</type>
+<joint name="elbow"><hardwareInterface>EffortJointInterface</hardwareInterface></joint>
+<actuator name="m"><mechanicalReduction>50</mechanicalReduction></actuator></transmission></robot>"""
+
+
+def test_what_a_urdf_tells_of_its_drives(tmp_path: Path) -> None:
+    """Damping and friction are at the joint (URDF specification), as is RaiSim's rotor_inertia."""
+    text = replaced("</robot>", TRANSMISSION, replaced("</joint>", DYNAMICS))
+    robot = load(tmp_path, text)
+    assert robot.armature.tolist() == [0.1, 0.0]
+    assert (robot.friction[0].viscous, robot.friction[0].coulomb.tolist()) == (0.5, [1.5, -1.5])
+    assert np.isnan(robot.actuators[0].gear_ratio)
+    assert robot.actuators[1].gear_ratio == 50.0
+    for what, joint in (("friction", "shoulder"), ("rotor inertia", "shoulder"), ("gear ratio", "elbow")):
+        assert any(note.startswith(f"{what} from the URDF") and note.endswith(joint) for note in robot.notes)
+    q, v, a = np.array([0.3, 0.2]), np.array([2.0, 1.0]), np.array([3.0, 1.0])
+    added = ps.inverse_dynamics(robot, q, v, a) - ps.inverse_dynamics(load(tmp_path), q, v, a)
+    assert added == pytest.approx([0.5 * 2.0 + 1.5 + 0.1 * 3.0, 0.0], abs=1e-13)  # rounding of 30 N m
+
+
+def test_drakes_rotor_and_gears(tmp_path: Path) -> None:
+    drake = TRANSMISSION.replace(
+        "<mechanicalReduction>50</mechanicalReduction>",
+        '<drake:rotor_inertia value="2e-4"/><drake:gear_ratio value="100"/>',
+    )
+    text = replaced("</robot>", drake).replace('name="arm"', 'name="arm" xmlns:drake="http://drake.mit.edu"')
+    assert load(tmp_path, text).armature == pytest.approx([0.0, 2.0], rel=1e-15)
+
+
+def test_the_actuator_file_goes_before_the_urdf(tmp_path: Path) -> None:
+    text = replaced("</joint>", DYNAMICS)
+    assert load(tmp_path, text, DRIVES).armature == pytest.approx([1.0, 0.5], rel=1e-15)
+
+
+BODY = """schema = 1
+[parameters.measured]
+source = "weighed"
+[parameters.measured.links.fore]
+mass = 3.0
+com = [0.0, 0.0, 0.2]
+inertia = [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.05]]
+"""
+
+
+def test_masses_in_the_actuator_file_or_from_the_caller_repair_the_urdf(tmp_path: Path) -> None:
+    """Half of all public arm files have no inertia; `links.com` alone could not supply it."""
+    bare = ARM[: ARM.rindex("<inertial>")] + ARM[ARM.rindex("</inertial>") + len("</inertial>") :]
+    q, v, a = [0.3, -0.4], [1.0, 2.0], [3.0, -4.0]
+    expected = ps.inverse_dynamics(load(tmp_path), q, v, a)
+    body = ps.Payload(mass=3.0, com=(0.0, 0.0, 0.2), inertia=np.diag([0.1, 0.1, 0.05]))
+    assert load(tmp_path, bare).missing_inertia == ("elbow",)
+    for robot in (load(tmp_path, bare, BODY), load(tmp_path, bare, links={"fore": body})):
+        assert robot.missing_inertia == ()
+        assert ps.inverse_dynamics(robot, q, v, a) == pytest.approx(expected, rel=1e-15)
+    with pytest.raises(ps.ModelError, match="links: unknown link 'hand'; valid: base, upper, fore, tip"):
+        load(tmp_path, links={"hand": body})

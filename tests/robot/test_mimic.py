@@ -1,0 +1,216 @@
+"""Joints that mimic another one, and joints that are locked: one coordinate, both torques at the master."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from helpers.arms import joint, link, load
+from helpers.places import PANDA
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import puma_septic as ps
+from puma_septic.dynamics import mass_matrix
+from puma_septic.robot._mimic import Mimic, followed, visiting_order
+from puma_septic.validation import Array
+
+BODY = np.diag([0.02, 0.02, 0.01])
+
+
+def mimicking(text: str, master: str, *, multiplier: float = 1.0, offset: float = 0.0) -> str:
+    tag = f'<mimic joint="{master}" multiplier="{multiplier!r}" offset="{offset!r}"/></joint>'
+    return text.replace("</joint>", tag)
+
+
+def chain(*links: str) -> str:
+    return "".join(link(name, 2.0, [0.0, 0.05, 0.15], BODY) for name in links)
+
+
+def parallelogram(names: tuple[str, str] = ("lever", "rod")) -> str:
+    """Three axes; a lever on the first link follows the third joint, and a rod on the lever turns back."""
+    one, two = names
+    return (
+        chain("base", "l1", "l2", "l3", "lever", "rod")
+        + joint("j1", "revolute", "base", "l1", [0, 0, 0.3], [0, 0, 1])
+        + joint("j2", "revolute", "l1", "l2", [0, 0, 0.3], [0, 1, 0])
+        + joint("j3", "revolute", "l2", "l3", [0, 0, 0.3], [0, 1, 0])
+        + mimicking(joint(one, "revolute", "l1", "lever", [0, 0, 0.3], [0, 1, 0]), "j3")
+        + mimicking(joint(two, "revolute", "lever", "rod", [0, 0, 0.2], [0, 1, 0]), "j3", multiplier=-1.0)
+    )
+
+
+def in_the_chain() -> str:
+    """The third joint turns half as far as the second, from an offset, as in an IRB 5400's wrist."""
+    return (
+        chain("base", "l1", "l2", "l3", "l4")
+        + joint("j1", "revolute", "base", "l1", [0, 0, 0.3], [0, 0, 1])
+        + joint("j2", "revolute", "l1", "l2", [0, 0, 0.3], [0, 1, 0], [0.1, 0, 0])
+        + mimicking(joint("j3", "revolute", "l2", "l3", [0, 0, 0.3], [0, 0.6, 0.8]), "j2", multiplier=-0.5, offset=0.3)
+        + joint("j4", "prismatic", "l3", "l4", [0, 0, 0.3], [1, 0, 0])
+    )
+
+
+def projected(robot: ps.Robot, text: str, q: Array, v: Array, a: Array) -> tuple[Array, Array]:
+    """Torque and tool by the model of all joints with the coupling written out: ``q = A u + b``, ``tau = A^T tau``."""
+    full = pin.buildModelFromXML(f'<robot name="full">{text}</robot>')
+    data, names = full.createData(), list(full.names)[1:]
+    A, b = np.zeros((len(names), robot.n_joints)), np.zeros(len(names))
+    for row, name in enumerate(names):
+        mimic = robot.mimics.get(name, Mimic(master=name))
+        A[row, robot.joint_index(mimic.master)], b[row] = mimic.multiplier, mimic.offset
+    tau = A.T @ pin.rnea(full, data, A @ q + b, A @ v, A @ a)
+    pin.framesForwardKinematics(full, data, A @ q + b)
+    return tau, data.oMf[full.getFrameId(robot.tool, pin.FrameType.BODY)].homogeneous
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+@pytest.mark.parametrize("text", [parallelogram(), parallelogram(("a_lever", "a_rod")), in_the_chain()])
+def test_torque_and_tool_are_those_of_the_coupled_model(
+    tmp_path_factory: pytest.TempPathFactory, text: str, seed: int
+) -> None:
+    """Also where Pinocchio's order of siblings would visit a lever before the joint that it follows."""
+    robot = load(tmp_path_factory.mktemp("arm"), "mimic", text)
+    assert robot.model.nv == robot.n_joints == 3
+    q, v, a = np.random.default_rng(seed).uniform(-1, 1, (3, 3))
+    torque, tool = projected(robot, text, q, v, a)
+    assert ps.inverse_dynamics(robot, q, v, a) == pytest.approx(torque, rel=1e-12, abs=1e-12)  # rounding of 20 N m
+    assert ps.forward_kinematics(robot, q) == pytest.approx(tool, abs=1e-14)
+    step = 1e-6
+    for j in range(3):
+        moved = [ps.forward_kinematics(robot, q + sign * step * np.eye(3)[j])[:3, 3] for sign in (1, -1)]
+        slope = (moved[0] - moved[1]) / (2 * step)
+        assert ps.jacobian(robot, q)[:3, j] == pytest.approx(slope, abs=1e-8)  # of a central difference
+    bias = ps.inverse_dynamics(robot, q, v, np.zeros(3))
+    assert mass_matrix(robot, q[None])[0] @ a + bias == pytest.approx(torque, rel=1e-11, abs=1e-11)
+
+
+@pytest.mark.parametrize("text", [parallelogram(), in_the_chain()])
+def test_many_samples_are_computed_as_one(tmp_path: Path, text: str) -> None:
+    """Of mimicking joints Pinocchio's crba adds to the matrix that a Data object holds from the call before."""
+    robot = load(tmp_path, "mimic", text)
+    q, v, a = np.random.default_rng(2).uniform(-1, 1, (3, 40, 3))
+    alone = [ps.inverse_dynamics(robot, *row) for row in zip(q, v, a, strict=True)]
+    assert ps.inverse_dynamics(robot, q, v, a) == pytest.approx(np.array(alone), rel=1e-13, abs=1e-13)
+    matrices = [mass_matrix(robot, row[None])[0] for row in q]
+    assert mass_matrix(robot, q) == pytest.approx(np.array(matrices), rel=1e-14, abs=1e-14)
+
+
+def test_the_tool_moves_as_its_positions_do(tmp_path: Path) -> None:
+    robot = load(tmp_path, "mimic", in_the_chain())
+    q, v, a = np.random.default_rng(1).uniform(-1, 1, (3, 3))
+    motion, step = ps.tool_motion(robot, q, v, a), 1e-4
+    places = [ps.forward_kinematics(robot, q + t * v + t * t / 2 * a)[:3, 3] for t in (-step, 0.0, step)]
+    assert motion.velocity == pytest.approx((places[2] - places[0]) / (2 * step), abs=1e-7)
+    assert motion.acceleration == pytest.approx((places[2] - 2 * places[1] + places[0]) / step**2, abs=1e-6)
+
+
+def test_inverse_kinematics_knows_the_coupling(tmp_path: Path) -> None:
+    robot = load(tmp_path, "mimic", in_the_chain())
+    target = ps.forward_kinematics(robot, [0.3, 0.5, 0.2])
+    found = ps.inverse_kinematics(robot, target)
+    assert found.q.shape[1] == 3
+    for q in found.q:
+        assert ps.forward_kinematics(robot, q) == pytest.approx(target, abs=1e-8)
+
+
+def test_panda_with_hand_is_pinocchios_own_mimic_model() -> None:
+    """Refused until now: 94 of 666 public arm files have such joints."""
+    robot = ps.load_robot(PANDA)
+    assert robot.joint_names[-1] == "panda_finger_joint1"
+    assert dict(robot.mimics)["panda_finger_joint2"].master == "panda_finger_joint1"
+    assert robot.tool == "panda_hand_tcp"
+    model = pin.buildModelFromUrdf(str(PANDA), mimic=True)
+    q, v, a = np.random.default_rng(0).uniform(-1, 1, (3, 8))
+    expected = pin.rnea(model, model.createData(), q, v, a)
+    assert ps.inverse_dynamics(robot, q, v, a, friction=False) == pytest.approx(expected, rel=1e-12, abs=1e-12)
+
+
+def test_a_lever_that_follows_itself_and_one_that_follows_nothing(tmp_path: Path) -> None:
+    ring = parallelogram().replace('joint="j3"', 'joint="rod"', 1).replace('joint="j3"', 'joint="lever"', 1)
+    with pytest.raises(ps.ModelError, match="joint 'lever' mimics itself in the end"):
+        load(tmp_path, "ring", ring)
+    robot = load(tmp_path, "lost", parallelogram().replace('joint="j3"', 'joint="j9"'))
+    assert robot.n_joints == 5
+    assert any("it mimics 'j9', which is no joint here" in note for note in robot.notes)
+
+
+def test_chains_of_mimics_are_followed_to_their_end() -> None:
+    given = {"b": Mimic(master="a", multiplier=2.0, offset=0.1), "c": Mimic(master="b", multiplier=-3.0, offset=0.2)}
+    end = followed("c", given)
+    assert end is not None
+    assert (end.master, end.multiplier) == ("a", -6.0)
+    assert end.offset == pytest.approx(-0.1)  # 0.2 - 3 * 0.1
+    assert followed("a", {"a": Mimic(master="b"), "b": Mimic(master="a")}) is None
+
+
+def test_branches_that_follow_each_other_have_no_order() -> None:
+    tree = ({"base": ["a1", "b1"], "A": ["a2"], "B": ["b2"]}, {"a1": "A", "b1": "B", "a2": "A2", "b2": "B2"})
+    assert visiting_order(tree, "base", {"b2": Mimic(master="a1")}) == ["a1", "a2", "b1", "b2"]
+    assert visiting_order(tree, "base", {"a2": Mimic(master="b1")}) == ["b1", "b2", "a1", "a2"]
+    assert visiting_order(tree, "base", {"a2": Mimic(master="b1"), "b2": Mimic(master="a1")}) is None
+
+
+# Locked joints.
+
+
+def gripper() -> str:
+    """An arm of two axes; five fingers follow the sixth, as of a Robotiq; a wheel on the base."""
+    text = (
+        chain("base", "l1", "l2", "wheel", "f0", "f1", "f2", "f3", "f4", "f5")
+        + joint("j1", "revolute", "base", "l1", [0, 0, 0.3], [0, 1, 0])
+        + joint("j2", "revolute", "l1", "l2", [0, 0, 0.3], [0, 1, 0])
+        + joint("spin", "continuous", "base", "wheel", [0, 1, 0], [0, 1, 0])
+        + joint("f", "revolute", "l2", "f0", [0, 0.1, 0.1], [0, 1, 0])
+    )
+    for k in range(1, 6):
+        text += mimicking(joint(f"m{k}", "revolute", "l2", f"f{k}", [0, 0.1, 0.1], [0, 1, 0]), "f")
+    return text
+
+
+def test_locking_a_joint_locks_what_follows_it(tmp_path: Path) -> None:
+    """One message a finger: a Gen3 with a 2F-85 took five rounds, a PR2 ten."""
+    robot = load(tmp_path, "gripper", gripper(), tool="l2", locked={"f": 0.4})
+    assert robot.joint_names == ("j1", "j2", "spin")
+    assert robot.mimics == {}
+    both = load(tmp_path, "gripper", gripper(), tool="l2", locked={"f": 0.4, "m1": 0.4})
+    assert both.joint_names == robot.joint_names
+    assert ps.forward_kinematics(robot, [0.0] * 3, frame="f3")[0, 0] == pytest.approx(np.cos(0.4))
+
+
+@pytest.mark.parametrize("locked", ["others", {"others": None}, {"f": 0.4, "others": None}])
+def test_others_are_locked_in_one_go(tmp_path: Path, locked: object) -> None:
+    robot = load(tmp_path, "gripper", gripper(), locked=locked)
+    assert robot.tool == "l2"  # not a finger
+    assert robot.joint_names == ("j1", "j2")
+    assert any(note.startswith("locked, as they do not carry the tool 'l2': spin at 0") for note in robot.notes)
+
+
+def test_levers_of_an_arm_are_not_among_the_others(tmp_path: Path) -> None:
+    """Locking the lever's master froze an axis of the arm, as a message advised."""
+    robot = load(tmp_path, "arm", parallelogram(), locked="others")
+    assert robot.joint_names == ("j1", "j2", "j3")
+    assert set(robot.mimics) == {"lever", "rod"}
+    alone = load(tmp_path, "arm", parallelogram(), locked={"lever": 0.0, "rod": 0.0})
+    assert alone.joint_names == ("j1", "j2", "j3")
+
+
+def test_a_follower_in_the_tools_chain_is_not_locked_alone(tmp_path: Path) -> None:
+    """Whoever did that with an IRB 5400 got a tool that was off by 23 mm and 0.5 rad, silently."""
+    with pytest.raises(
+        ps.InputError, match=r"locked\['j3'\]: it carries the tool 'l4' and follows 'j2'.*lock that joint"
+    ):
+        load(tmp_path, "arm", in_the_chain(), locked={"j3": 0.0})
+    with pytest.raises(ps.InputError, match=r"follows 'j2', which puts it at 0.1"):
+        load(tmp_path, "arm", in_the_chain(), locked={"j2": 0.4, "j3": 0.2})
+    free, locked = load(tmp_path, "arm", in_the_chain()), load(tmp_path, "arm", in_the_chain(), locked={"j2": 0.4})
+    expected = ps.forward_kinematics(free, [0.2, 0.4, 0.1])
+    assert ps.forward_kinematics(locked, [0.2, 0.1]) == pytest.approx(expected, abs=1e-14)
+
+
+def test_what_is_no_text_for_locked(tmp_path: Path) -> None:
+    with pytest.raises(ps.InputError, match="unknown text for locked 'all'; valid: 'others'"):
+        load(tmp_path, "arm", parallelogram(), locked="all")

@@ -26,6 +26,7 @@ __all__ = [
     "TorqueTerms",
     "check_inertia",
     "check_plain_friction",
+    "check_uncoupled",
     "inverse_dynamics",
     "mass_matrix",
     "rigid_terms",
@@ -177,6 +178,16 @@ def check_inertia(robot: Robot) -> None:
         raise ModelError(
             f"robot {robot.name!r}: no mass or inertia beyond joint {joints}; every torque is needed here, so give an"
             " <inertial> in the URDF for every moving part, or mass, com and inertia of its link in an actuator file"
+        )
+
+
+def check_uncoupled(robot: Robot, what: str) -> None:
+    """Raise an InputError if a joint mimics another, for what takes each joint to move its own links alone."""
+    if robot.mimics:
+        names = ", ".join(map(repr, robot.mimics))
+        raise InputError(
+            f"{what} does not know joints that mimic another one: {names} of robot {robot.name!r}; lock those of a"
+            " gripper: locked='others'"
         )
 
 

@@ -12,9 +12,10 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import Final
 
-from puma_septic.cli import _assess, _check, _compare, _ik, _optimise, _paper, _profiles, _replay, _size
+from puma_septic.cli import _assess, _check, _compare, _ik, _optimise, _paper, _profiles, _replay, _robot, _size
 from puma_septic.cli._faults import fault_text
 from puma_septic.cli._parser import Command, parse
+from puma_septic.cli._spelling import spelt
 from puma_septic.errors import InputError, PumaSepticError
 
 __all__ = ["COMMANDS", "main"]
@@ -32,6 +33,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "size": _size,
     "replay": _replay,
     "ik": _ik,
+    "robot": _robot,
     "profiles": _profiles,
     "paper": _paper,
 }
@@ -72,9 +74,10 @@ def _answered(given: list[str]) -> int:
         return int(stop.code or 0)
     try:
         answer = COMMANDS[arguments.command].run(arguments)
-        _write(answer.text)
+        is_text = getattr(arguments, "format", "text") == "text"
+        _write(spelt(answer.text) if is_text else answer.text)
     except PumaSepticError as error:
-        _complain(f"puma-septic: error: {' '.join(str(error).split())}\n")
+        _complain(f"puma-septic: error: {spelt(' '.join(str(error).split()))}\n")
         return BAD_INPUT
     return answer.exit_code
 

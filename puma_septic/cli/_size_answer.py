@@ -21,6 +21,7 @@ from puma_septic.drives import (
 from puma_septic.errors import InputError
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.report import new_folder, to_json
+from puma_septic.report.folder import file_names
 from puma_septic.report.sheets import checks_csv, load_profile_csv, pairs_csv
 from puma_septic.robot import load_drivetrains, own_drivetrains
 from puma_septic.sizing import Selection, Sizing, size
@@ -103,7 +104,7 @@ def _own_sizing(arguments: Namespace, cycle: Cycle) -> Sizing:
     try:
         trains = own_drivetrains(robot) if bare else load_drivetrains(robot, arguments.drives)
     except InputError as error:
-        raise InputError(f"{error}; here: --actuators FILE, or --catalogue to choose drives") from error
+        raise InputError(f"{error}, or choose drives: --catalogue FILE") from error
     return size(cycle, drivetrains=trains)
 
 
@@ -165,9 +166,10 @@ def _write_folder(arguments: Namespace, found: Sizing | Selection, title: str) -
         if sizing is None:
             return
         (folder / "checks.csv").write_text(checks_csv(sizing), encoding="utf-8")
-        for name in sizing.cycle.joint_names:
+        joints = sizing.cycle.joint_names
+        for name, part in zip(joints, file_names(joints), strict=True):
             profile = load_profile_csv(sizing.motor_load_profile(name))
-            (folder / f"load-profile-{Path(name).name}.csv").write_text(profile, encoding="utf-8")
+            (folder / f"load-profile-{part}.csv").write_text(profile, encoding="utf-8")
         # Templates, the replay and matplotlib take longer to load than everything else takes to compute.
         from puma_septic.pictures.sizing import sizing_pictures
         from puma_septic.report.figures import write_png

@@ -31,10 +31,14 @@ def add_task(parser: ArgumentParser) -> None:
     parser.add_argument("--branch", metavar="NAME", help="branch of the inverse kinematics, or 'auto'")
 
 
-def add_robot(parser: ArgumentParser, *, required: bool = False) -> None:
+def add_robot(parser: ArgumentParser, *, required: bool = False, is_positional: bool = False) -> None:
     """The robot and what it is made of."""
-    which = "the robot" if required else "another robot"
-    parser.add_argument("--robot", metavar="NAME", required=required, help=f"{which}: 'puma560' or a .urdf file")
+    which = "the robot" if required or is_positional else "another robot"
+    meaning = f"{which}: a .urdf file, or a name such as 'ur5' (puma-septic robot --list)"
+    if is_positional:
+        parser.add_argument("robot", nargs="?", metavar="ROBOT", help=meaning)
+    else:
+        parser.add_argument("--robot", metavar="ROBOT", required=required, help=meaning)
     parser.add_argument("--actuators", metavar="FILE", help="its actuator file")
     parser.add_argument("--parameters", metavar="NAME", help="set of drive parameters, such as rtb or akb")
     parser.add_argument("--limits", metavar="NAME", help="set of limits, such as corke, akb or benchmark")
@@ -45,6 +49,13 @@ def add_robot(parser: ArgumentParser, *, required: bool = False) -> None:
         type=_locked,
         metavar="JOINT=POSITION",
         help="lock a joint at this position (rad; m if prismatic; repeatable)",
+    )
+    parser.add_argument("--lock-others", action="store_true", help="lock every joint that does not carry the tool")
+    parser.add_argument(
+        "--package-dir",
+        action="append",
+        metavar="DIR",
+        help="folder of ROS packages, a package or a workspace, to find meshes in (repeatable)",
     )
 
 
@@ -101,14 +112,21 @@ def asked_robot(arguments: Namespace, given: dict[str, Any]) -> dict[str, Any]:
     for key in ("parameters", "limits", "tool"):
         if getattr(arguments, key) is not None:
             robot[key] = getattr(arguments, key)
-    if arguments.lock:
-        robot["locked"] = {**robot.get("locked", {}), **dict(arguments.lock)}
+    if arguments.lock or arguments.lock_others:
+        before = robot.get("locked", {})
+        others = {"others": None} if arguments.lock_others or before == "others" else {}
+        robot["locked"] = {**({} if before == "others" else before), **dict(arguments.lock or ()), **others}
+    if arguments.package_dir:
+        folders = [str(Path(folder).absolute()) for folder in arguments.package_dir]
+        robot["package_dirs"] = [*robot.get("package_dirs", []), *folders]
     return robot
 
 
 def _path(source: str) -> str:
     """A path is relative to the caller's folder, a name stays a name."""
-    return str(Path(source).absolute()) if source.endswith(".urdf") or Path(source).name != source else source
+    from puma_septic.robot import is_robot_path
+
+    return str(Path(source).absolute()) if is_robot_path(source) else source
 
 
 def _locked(text: str) -> tuple[str, float]:

@@ -140,11 +140,12 @@ def _head(resolved: ResolvedTask) -> str:
     sets = [
         f"{key} {value!r}" for key, value in (("parameters", section.parameters), ("limits", section.limits)) if value
     ]
+    chosen = " (chosen; --tool FRAME for another)" if robot.tool_is_chosen else ""
     load = f", payload {robot.payload.mass:g} kg" if robot.payload is not None else ""
     stops = ", ".join(f"{name} {time:g} s" for name, time in zip(resolved.names, resolved.times, strict=True))
     lines = [
         f"Task {task.name!r}" + (f": {' '.join(task.description.split())}" if task.description else ""),
-        f"Robot: {robot.name}" + (f" ({', '.join(sets)})" if sets else "") + f", tool {robot.tool!r}{load}",
+        f"Robot: {robot.name}" + (f" ({', '.join(sets)})" if sets else "") + f", tool {robot.tool!r}{chosen}{load}",
         f"Points: {stops}" + (f", poses in {task.frame!r}" if resolved.has_poses else ""),
     ]
     if resolved.has_poses:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from secrets import token_hex
 
 from puma_septic.errors import InputError
 
-__all__ = ["new_folder"]
+__all__ = ["file_names", "new_folder"]
 
 
 @contextmanager
@@ -45,6 +45,23 @@ def new_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
         raise InputError(f"cannot write the folder {path}: {error.strerror or error}") from error
     finally:
         shutil.rmtree(partial, ignore_errors=True)
+
+
+def file_names(names: Sequence[str]) -> list[str]:
+    """Names of joints as parts of file names, one each: what separates folders becomes "_", doubles get a number.
+
+    Examples
+    --------
+    >>> file_names(["left/joint_1", "right/joint_1", "left_joint_1"])
+    ['left_joint_1', 'right_joint_1', 'left_joint_1-2']
+    """
+    found: list[str] = []
+    for name in names:
+        plain = "".join("_" if letter in '/\\:*?"<>|' else letter for letter in name).lstrip(".") or "_"
+        taken = {one.lower() for one in found}  # of which some file systems know one alone
+        numbered = [plain, *(f"{plain}-{k}" for k in range(2, len(names) + 2))]
+        found.append(next(one for one in numbered if one.lower() not in taken))
+    return found
 
 
 def _checked(path: Path, *, overwrite: bool) -> Path:

@@ -2,6 +2,8 @@
 
 from puma_septic.robot._actuator import Actuator
 from puma_septic.robot._drivetrains import load_drivetrains, own_drivetrains
+from puma_septic.robot._mimic import Mimic
+from puma_septic.robot._names import is_robot_path, named_robots
 from puma_septic.robot.loading import load_robot, robot_files
 from puma_septic.robot.model import Robot
 from puma_septic.robot.values import Limits, Payload, Wrench
@@ -9,11 +11,14 @@ from puma_septic.robot.values import Limits, Payload, Wrench
 __all__ = [
     "Actuator",
     "Limits",
+    "Mimic",
     "Payload",
     "Robot",
     "Wrench",
+    "is_robot_path",
     "load_drivetrains",
     "load_robot",
+    "named_robots",
     "own_drivetrains",
     "robot_files",
 ]

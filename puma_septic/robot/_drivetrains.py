@@ -53,8 +53,8 @@ def _limited(robot: Robot, j: int, train: Drivetrain) -> Drivetrain:
     joint = robot.joint_names[j]
     if np.isnan(train.ratio):
         raise InputError(
-            f"joint {joint!r}: its gear ratio is not known, so its motor cannot be assessed; give the robot an"
-            " actuator file, or drivetrains"
+            f"joint {joint!r}: its gear ratio is not known, so its motor cannot be assessed; give it by"
+            " actuators=... or drivetrains=..."
         )
     motor, gearbox, name = train.motor, train.gearbox, f"{robot.name} {joint}"
     fastest = float(robot.limits.velocity[j]) * train.ratio

@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from puma_septic.errors import InputError
 
-__all__ = ["named_robots", "robot_file"]
+__all__ = ["BUILT_IN", "is_robot_path", "named_robots", "robot_file"]
 
 BUILT_IN: Final = "puma560"
 _SUFFIXES: Final = (".urdf", ".xml", ".xacro")
@@ -46,13 +46,19 @@ def robot_file(source: str | Path) -> Path:
     if isinstance(source, str) and source.lstrip().startswith("<"):
         raise InputError("source: this is XML text; write it to a .urdf file and pass its path")
     path = Path(source)
-    if isinstance(source, Path) or path.name != source or path.suffix.lower() in _SUFFIXES:
+    if isinstance(source, Path) or is_robot_path(source):
         return path
     if source in (names := named_robots()):
         return names[source]
     if _exists(path):
         return path
     raise InputError(f"unknown robot {source!r}; valid: {', '.join(map(repr, names))}, or the path of a .urdf file")
+
+
+def is_robot_path(source: str) -> bool:
+    """Whether a text is the path of a robot's file rather than its name."""
+    path = Path(source)
+    return path.name != source or path.suffix.lower() in _SUFFIXES
 
 
 def data_folder() -> Path:

@@ -30,6 +30,7 @@ _Value = TypeVar("_Value")
 
 # What a document has of a payload and of an actuator, as their fields are called.
 _PAYLOAD = ("mass", "com", "inertia")
+_MIMIC = ("master", "multiplier", "offset")
 _ACTUATOR = ("gear_ratio", "rotor_inertia", "viscous_friction", "coulomb_friction", "source")
 
 
@@ -303,11 +304,17 @@ class Robot:
             "schema": SCHEMAS["robot"],
             "name": self.name,
             "tool": self.tool,
+            "tool_is_chosen": self.tool_is_chosen,
             "payload": None if payload is None else plain({key: getattr(payload, key) for key in _PAYLOAD}),
             "joints": [
                 self._joint_document(j, actuator, place, axis)
                 for j, (actuator, place, axis) in enumerate(zip(self.actuators, *self._axes(), strict=True))
             ],
+            "mimics": {name: plain({key: getattr(one, key) for key in _MIMIC}) for name, one in self.mimics.items()},
+            "frames": [frame.name for frame in self.bare_model.frames if frame.type == pin.FrameType.BODY],
+            "base_mass": float(self.bare_model.inertias[0].mass),
+            "missing_inertia": list(self.missing_inertia),
+            "missing_meshes": list(self.missing_meshes),
             "limits_source": self.limits.source,
             "notes": list(self.notes),
         }
@@ -319,9 +326,17 @@ class Robot:
             "is_continuous": bool(self.is_continuous[j]),
             "origin": plain(place),
             "axis": plain(axis),
+            "mass": self._moved_mass(self.joint_names[j]),
             "limits": {name: plain(getattr(self.limits, name)[j]) for name in self.limits.quantities},
             "actuator": plain({key: getattr(actuator, key) for key in _ACTUATOR} | actuator.options),
         }
+
+    def _moved_mass(self, name: str) -> float:
+        """All that a joint moves without its payload, and what hangs on the joints that mimic it with it, kg."""
+        model = self.bare_model
+        followers = [other for other, mimic in self.mimics.items() if mimic.master == name]
+        moved = {k for joint in (name, *followers) for k in model.subtrees[model.getJointId(joint)]}
+        return float(sum(model.inertias[k].mass for k in moved))
 
     def _axes(self) -> tuple[Array, Array]:
         """Origin and direction of each joint's axis in the world at zero, each of shape (n_joints, 3)."""

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from puma_septic.errors import InputError, did_you_mean
 from puma_septic.files import decoded, read_bytes, yaml_documents
-from puma_septic.task.schema import LIST, NUMBER, OWN_WORDS, Task, shortened
+from puma_septic.task.schema import MARKS, OWN_WORDS, Task, shortened
 
 __all__ = ["load_task", "make_task", "parse_task", "task_names"]
 
@@ -133,6 +133,6 @@ def _field(location: tuple[int | str, ...]) -> str:
     for part in location:
         if isinstance(part, int):
             text += f"[{part}]"
-        elif part not in (NUMBER, LIST):
+        elif part not in MARKS:
             text += f".{part}" if text else part
     return text

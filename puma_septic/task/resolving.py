@@ -15,7 +15,7 @@ from puma_septic.errors import InputError, ModelError, NoSolution
 from puma_septic.kinematics import chain_to, forward_kinematics, inverse_kinematics
 from puma_septic.robot import Payload, Robot, Wrench, load_robot
 from puma_septic.task.branches import Branch, Posed, Waypoint, are_all_branches, best_branch, branches_through
-from puma_septic.task.schema import Point, Task
+from puma_septic.task.schema import BodySection, Point, Task
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_array, checked_choice, read_only
 
@@ -181,6 +181,7 @@ def _robot(task: Task) -> Robot:
             tool=section.tool,
             package_dirs=section.package_dirs,
             locked=section.locked,
+            links={name: _body(link) for name, link in section.links.items()},
             gravity=section.gravity,
         )
     if task.payload is not None:
@@ -221,16 +222,34 @@ def _waypoint(robot: Robot, frame: Array, task: Task, k: int) -> Waypoint:
     label = f"points[{k}]" + (f" {point.name!r}" if point.name else "")
     if point.joints is not None:
         with _named(task, label):
-            return checked_array("joints", point.joints, (robot.n_joints,), unit="rad")
+            return _joint_positions(robot, point.joints)
     T_world_tool = frame @ _pose(point)
     with _named(task, label):
         free = "which way the tool is turned" if point.axis is None else "how far the tool is turned about its axis"
-        if point.constrain != "pose" and (joints := len(chain_to(robot).columns)) >= _FULL:
+        if point.constrain != "pose" and (joints := len(chain_to(robot).driving)) >= _FULL:
             raise InputError(
                 f"needs rpy_deg or quaternion: {joints} joints carry the tool, and {free} would be left to chance"
             )
         solutions = inverse_kinematics(robot, T_world_tool, constrain=point.constrain)
         return Posed(T_world_tool=T_world_tool, solutions=solutions, constrain=point.constrain)
+
+
+def _joint_positions(robot: Robot, given: tuple[float, ...] | dict[str, float]) -> Array:
+    """Joint positions, shape (n_joints,), given in the robot's order or by joint name."""
+    if isinstance(given, dict):
+        for name in given:
+            checked_choice("joint", name, robot.joint_names)
+        given = tuple(given[name] for name in robot.joint_names if name in given)
+    if len(given) != robot.n_joints:
+        raise InputError(
+            f"joints: {len(given)} numbers for {robot.n_joints} joints: {', '.join(robot.joint_names)}; give one for"
+            " each, in this order or by name; locked='others' locks those that do not carry the tool"
+        )
+    return checked_array("joints", given, (robot.n_joints,), unit="rad")
+
+
+def _body(section: BodySection) -> Payload:
+    return Payload(mass=section.mass, com=np.array(section.com), inertia=np.array(section.inertia))
 
 
 @contextmanager

@@ -26,6 +26,7 @@ from pydantic_core import PydanticCustomError
 
 from puma_septic import profiles
 from puma_septic.errors import did_you_mean
+from puma_septic.robot import is_robot_path
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["Point", "ProfileChoice", "Task", "shortened"]
@@ -35,7 +36,7 @@ _UNIT_NORM: Final = 1e-3
 # What a profile is given by the task itself; its other parameters are options.
 _FROM_TASK: Final = ("points", "times", "durations", "joint_names")
 # Marks in an error's location that a union leaves there and that are no keys of the file.
-NUMBER, LIST = "<number>", "<list>"
+NUMBER, LIST, NAMED, WORD = MARKS = ("<number>", "<list>", "<by name>", "<word>")
 OWN_WORDS: Final = "task"
 
 
@@ -64,8 +65,7 @@ def _beside_the_file(path: str, info: ValidationInfo) -> str:
 
 def _robot_source(source: str, info: ValidationInfo) -> str:
     """A name stays; a path is relative to the task file."""
-    is_path = source.endswith(".urdf") or Path(source).name != source
-    return _beside_the_file(source, info) if is_path else source
+    return _beside_the_file(source, info) if is_robot_path(source) else source
 
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
@@ -102,6 +102,15 @@ class Section(BaseModel):
 
 
 @final
+class BodySection(Section):
+    """The arguments of `Payload`, of a link."""
+
+    mass: NotNegative
+    com: Vector
+    inertia: Annotated[tuple[Vector, ...], Field(min_length=3, max_length=3)]
+
+
+@final
 class RobotSection(Section):
     """The arguments of `load_robot`."""
 
@@ -111,7 +120,11 @@ class RobotSection(Section):
     tool: Text | None = None
     actuators: FilePath | None = None
     package_dirs: tuple[FilePath, ...] = ()
-    locked: dict[Text, Number] = Field(default_factory=dict)
+    locked: Annotated[
+        Annotated[Literal["others"], Tag(WORD)] | Annotated[dict[Text, Number | None], Tag(NAMED)],
+        Discriminator(lambda value: WORD if isinstance(value, str) else NAMED),
+    ] = Field(default_factory=dict)
+    links: dict[Text, BodySection] = Field(default_factory=dict)
     gravity: Vector = (0.0, 0.0, -9.81)
 
 
@@ -148,7 +161,13 @@ class Point(Section):
     """
 
     name: Text | None = None
-    joints: tuple[Number, ...] | None = None
+    joints: (
+        Annotated[
+            Annotated[tuple[Number, ...], Tag(LIST)] | Annotated[dict[Text, Number], Tag(NAMED)],
+            Discriminator(lambda value: NAMED if isinstance(value, dict) else LIST),
+        ]
+        | None
+    ) = None
     position: Vector | None = None
     rpy_deg: Vector | None = None
     quaternion: Quaternion | None = None

@@ -1,17 +1,18 @@
-"""A robot's document as HTML."""
+"""A robot's document as text and HTML."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from math import isnan
+from textwrap import wrap
 from typing import Any, Final
 
 from puma_septic.document import numeric
 from puma_septic.quantities import QUANTITIES, typeset
-from puma_septic.views.tables import Cell, html_table
+from puma_septic.views.tables import Cell, html_table, text_table
 
-__all__ = ["html"]
+__all__ = ["html", "text"]
 
 Document = Mapping[str, Any]
 
@@ -27,11 +28,75 @@ _DRIVE: Final = {
 }
 
 
+def text(document: Document) -> str:
+    """Joints, limits, masses, drives, frames and what must be known of them, within 100 columns or so."""
+    joints = document["joints"]
+    parts = [_head(document), text_table(*_joint_rows(document)), _mimic_text(document), _drive_text(joints)]
+    parts.append(_listed("Frames", [", ".join(document["frames"])]))
+    if "pose" in document:
+        parts.append(_pose_text(document))
+    parts.append(_listed("Not drawn", document["missing_meshes"]))
+    parts.append(_listed("Notes", document["notes"]))
+    return "\n\n".join(part for part in parts if part)
+
+
+def _head(document: Document) -> str:
+    load = "" if document["payload"] is None else f", payload {document['payload']['mass']:g} kg"
+    chosen = " (chosen; tool=... for another)" if document["tool_is_chosen"] else ""
+    return f"{document['name']}: {len(document['joints'])} joints, tool {document['tool']!r}{chosen}{load}"
+
+
+def _joint_rows(document: Document) -> tuple[list[str], list[list[Cell]]]:
+    joints = document["joints"]
+    quantities = [QUANTITIES[name] for name in joints[0]["limits"]]
+    headers = ["joint", "type", *(quantity.name for quantity in quantities), "moves [kg]"]
+    rows: list[list[Cell]] = [
+        [joint["name"], _kind(joint), *(_limit(joint, one.name) for one in quantities), f"{joint['mass']:.4g}"]
+        for joint in joints
+    ]
+    return headers, rows
+
+
+def _kind(joint: Document) -> str:
+    return "prismatic" if joint["is_prismatic"] else "continuous" if joint["is_continuous"] else "revolute"
+
+
+def _mimic_text(document: Document) -> str:
+    lines = [
+        f"{name} = {one['multiplier']:g} {one['master']}" + (f" + {one['offset']:g}" if one["offset"] else "")
+        for name, one in document["mimics"].items()
+    ]
+    units = "Limits in rad, rad/s ... and N m (m, m/s ... and N where prismatic), from: "
+    mimics = f"\nFollowing another: {'; '.join(lines)}" if lines else ""
+    return f"{units}{document['limits_source']}{mimics}"
+
+
+def _drive_text(joints: Sequence[Document]) -> str:
+    if all(isnan(numeric(joint["actuator"][key])) for joint in joints for key in ("gear_ratio", "rotor_inertia")):
+        return "Drives: gear ratios and rotor inertias unknown"
+    columns = {key: title for key, title in _DRIVE.items() if any(key in joint["actuator"] for joint in joints)}
+    rows: list[list[Cell]] = [
+        [joint["name"], *(_values(joint["actuator"].get(key)) for key in columns)] for joint in joints
+    ]
+    return f"Drives, motor side:\n{text_table(['joint', *columns.values()], rows)}"
+
+
+def _pose_text(document: Document) -> str:
+    pose = document["pose"]
+    at = ", ".join(f"{name} {value:g}" for name, value in pose["joints"].items() if value) or "all joints at 0"
+    place, turn = (", ".join(f"{value + 0.0:.5g}" for value in pose[key]) for key in ("position", "rpy_deg"))
+    return f"Tool at {at}:\n  position {place} m\n  roll, pitch, yaw {turn} degrees"
+
+
+def _listed(title: str, items: Sequence[str]) -> str:
+    lines = [line for item in items for line in wrap(item, 98, initial_indent="  ", subsequent_indent="    ")]
+    return "\n".join([f"{title}:", *lines]) if lines else ""
+
+
 def html(document: Document) -> str:
     """Joints, limits and drives with their sources, for a notebook; every text is escaped."""
     joints = document["joints"]
-    load = "" if document["payload"] is None else f", payload {document['payload']['mass']:g} kg"
-    head = f"{document['name']}: {len(joints)} joints, tool {document['tool']!r}{load}"
+    head = _head(document)
     parts = [_joint_table(joints), _limit_table(document), _drive_table(joints)]
     boxes = [f'<div class="scroll" style="overflow-x:auto">{part}</div>' for part in parts]
     notes = f"<p>{escape('; '.join(document['notes']))}</p>" if document["notes"] else ""

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from puma_septic.document import SCHEMAS, plain
-from puma_septic.dynamics import check_inertia, check_plain_friction
+from puma_septic.dynamics import check_inertia, check_plain_friction, check_uncoupled
 from puma_septic.errors import InputError
 from puma_septic.robot import Payload, Robot
 from puma_septic.validation import Array, checked_array, checked_number, read_only
@@ -190,6 +190,7 @@ def acceleration_limits(
     checked_number("gap", gap, above=0.0, at_most=1.0)
     carrying = robot if payload is None else robot.with_payload(payload)
     check_inertia(carrying)
+    check_uncoupled(carrying, "the certified bound of accelerations")
     check_plain_friction(carrying, "acceleration_limits")
     assessed = [j for j, effort in enumerate(carrying.limits.effort) if np.isfinite(effort)]
     if not assessed:

@@ -9,7 +9,7 @@ from typing import Final, final
 
 import numpy as np
 
-from puma_septic.dynamics import check_inertia, rigid_torque
+from puma_septic.dynamics import check_inertia, check_uncoupled, rigid_torque
 from puma_septic.robot import Payload, Robot
 from puma_septic.validation import Array, checked_number, read_only
 from puma_septic.worst_case._bisection import certified_minimum
@@ -93,6 +93,7 @@ def worst_holding_torque(
     checked_number("gap", gap, above=0.0)
     carrying = robot if payload is None else robot.with_payload(payload)
     check_inertia(carrying)
+    check_uncoupled(carrying, "the certified holding torque")
     bounds = checked_region(carrying, region)
     poses = holding_poses(carrying, bounds)
     attained = np.abs(np.diagonal(_at_rest(carrying, poses)))

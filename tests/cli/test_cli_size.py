@@ -120,7 +120,7 @@ def test_a_robot_without_gear_ratios_is_told_the_options(capsys: pytest.CaptureF
     code, _, err = ask(capsys, str(task))
     assert code == 2
     assert "joint 'swing': its gear ratio is not known" in err
-    assert "here: --actuators FILE, or --catalogue to choose drives" in err
+    assert "give it by --actuators FILE, or choose drives: --catalogue FILE" in err
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from argparse import Namespace
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final, final
 
 from puma_septic.cli._output_arguments import with_report

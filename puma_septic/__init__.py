@@ -52,6 +52,7 @@ _HOMES: Final = {
     "compare": "comparison",
     "compute_motion": "motion",
     "cycle": "cycle",
+    "doctor": "doctor",
     "fit_residual": "logs",
     "fit_trajectory": "logs",
     "forward_kinematics": "kinematics",
@@ -97,6 +98,7 @@ __all__ = ["__version__", *_HOMES]
 
 if TYPE_CHECKING:
     from puma_septic import cycle as cycle
+    from puma_septic import doctor as doctor
     from puma_septic import paper as paper
     from puma_septic import plots as plots
     from puma_septic import profiles as profiles

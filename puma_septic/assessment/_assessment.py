@@ -11,6 +11,7 @@ import numpy as np
 from puma_septic.assessment._joints import PowerMetrics, coulomb_steps, derivative_peak, joint_metrics, power_metrics
 from puma_septic.assessment._limits import limit_checks, unknown_values
 from puma_septic.assessment._tool import ToolMetrics, tool_metrics
+from puma_septic.doctor import doubts
 from puma_septic.document import SCHEMAS, plain
 from puma_septic.errors import InputError
 from puma_septic.limit_check import LimitCheck, most_used_first
@@ -207,7 +208,8 @@ class Assessment:
         """One sentence: feasible or not, and the governing limit; or why that cannot be decided."""
         if self.undecided:
             return "undecided: " + "; ".join(self.undecided)
-        return verdict(("feasible", "infeasible"), self.violations, self.worst)
+        sentence = verdict(("feasible", "infeasible"), self.violations, self.worst)
+        return f"{sentence}; on doubtful data, see the remarks" if doubts(self.motion.robot) else sentence
 
     @property
     def is_feasible(self) -> bool:
@@ -242,8 +244,15 @@ class Assessment:
     @property
     def remarks(self) -> tuple[str, ...]:
         """What a reader must know to read the numbers right."""
-        doubts = (f"undecided: {doubt}" for doubt in self.undecided)
-        return (*doubts, *self.motion.robot.notes, *_static_friction_remarks(self), *_friction_step_remarks(self))
+        robot = self.motion.robot
+        undecided = (f"undecided: {doubt}" for doubt in self.undecided)
+        return (
+            *undecided,
+            *doubts(robot),
+            *robot.notes,
+            *_static_friction_remarks(self),
+            *_friction_step_remarks(self),
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready document; numbers in SI units, "unbounded" for infinity, null for what is not known."""

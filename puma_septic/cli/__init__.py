@@ -12,7 +12,20 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import Final
 
-from puma_septic.cli import _assess, _check, _compare, _ik, _optimise, _paper, _profiles, _replay, _robot, _size
+from puma_septic.cli import (
+    _accelerations,
+    _assess,
+    _check,
+    _compare,
+    _doctor,
+    _ik,
+    _optimise,
+    _paper,
+    _profiles,
+    _replay,
+    _robot,
+    _size,
+)
 from puma_septic.cli._faults import fault_text
 from puma_septic.cli._parser import Command, parse
 from puma_septic.cli._spelling import spelt
@@ -34,6 +47,8 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "replay": _replay,
     "ik": _ik,
     "robot": _robot,
+    "doctor": _doctor,
+    "accelerations": _accelerations,
     "profiles": _profiles,
     "paper": _paper,
 }

@@ -16,7 +16,16 @@ from puma_septic.cli._recording_arguments import RECORDING
 if TYPE_CHECKING:
     from puma_septic.task import Task
 
-__all__ = ["add_dwell", "add_payload", "add_profile", "add_robot", "add_task", "asked_robot", "asked_task"]
+__all__ = [
+    "add_dwell",
+    "add_named_robot",
+    "add_payload",
+    "add_profile",
+    "add_robot",
+    "add_task",
+    "asked_robot",
+    "asked_task",
+]
 
 
 def add_task(parser: ArgumentParser) -> None:

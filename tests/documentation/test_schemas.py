@@ -42,6 +42,8 @@ COMMANDS = {
     "assess": ["assess", "paper-turned", "--profile", "septic"],
     "assess-log": ["assess", "--csv", "log.csv"],
     "check": ["check", "--robot", "puma560", "plan.yaml", "--allow", "limit_unknown"],
+    "accelerations": ["accelerations", "puma560", "--joint", "joint3=0:1"],
+    "doctor": ["doctor", "puma560"],
     "ik": ["ik", "paper"],
     "profiles": ["profiles", "--normalised"],
 }

@@ -1,0 +1,273 @@
+"""What is wrong with a robot's data is found, whatever it is; sound arms have no findings.
+
+Sound are five arms of example-robot-data whose masses, tensors and limits agree with their makers' sheets in size:
+UR10, Panda (fingers locked), xArm7, Kinova Mico and Z1. Its UR5 is not: its wrist links of 1.2 kg have moments of up
+to 0.22 kg m^2, a radius of gyration of 0.42 m (universal_robot issue 32 and UR description pull request 276).
+"""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import pytest
+from helpers import arms
+from helpers.places import PANDA, ROBOTS
+
+import puma_septic as ps
+from puma_septic.doctor import CODES, doubts, examine
+from puma_septic.testing import assert_sound_model
+
+SOUND = {
+    "ur10": ROBOTS / "ur_description" / "urdf" / "ur10_robot.urdf",
+    "panda": PANDA,
+    "xarm7": ROBOTS / "xarm_description" / "urdf" / "xarm7.urdf",
+    "kinova": ROBOTS / "kinova_description" / "robots" / "kinova.urdf",
+    "z1": ROBOTS / "z1_description" / "urdf" / "z1.urdf",
+}
+# What may stop loading already.
+REFUSED = ("inertia_impossible", "distance_large", "com_far")
+FINGERS = {"panda_finger_joint1": 0.02, "panda_finger_joint2": 0.02}
+Arm = tuple[ET.Element, list[ET.Element], list[ET.Element]]
+
+
+@cache
+def text(name: str) -> str:
+    return SOUND[name].read_text()
+
+
+def parts(name: str) -> Arm:
+    """The robot, its moving joints (fingers apart), and every <inertial>, those of the links that they move first."""
+    root = ET.fromstring(text(name))
+    for link in root.iter("link"):
+        for shape in [*link.findall("visual"), *link.findall("collision")]:
+            link.remove(shape)
+    kinds = ("revolute", "continuous", "prismatic")
+    locked = FINGERS if name == "panda" else {}
+    joints = [j for j in root.iter("joint") if j.get("type") in kinds and j.get("name") not in locked]
+    links = {link.get("name"): link for link in root.iter("link")}
+    moved = [links[j.find("child").get("link")].find("inertial") for j in joints]  # type: ignore[union-attr]
+    bodies = [part for part in moved if part is not None]
+    return root, joints, bodies + [part for part in root.iter("inertial") if part not in bodies]
+
+
+def inertia(scale: float, *which: int) -> Callable[[Arm], None]:
+    def change(arm: Arm) -> None:
+        for k in which or range(len(arm[2])):
+            tensor = arm[2][k].find("inertia")
+            assert tensor is not None
+            for key, value in tensor.attrib.items():
+                tensor.set(key, repr(float(value) * scale))
+
+    return change
+
+
+def tensor(*which: int, **values: float) -> Callable[[Arm], None]:
+    def change(arm: Arm) -> None:
+        for k in which or range(len(arm[2])):
+            element = arm[2][k].find("inertia")
+            assert element is not None
+            element.attrib.update({key: repr(value) for key, value in values.items()})
+
+    return change
+
+
+def largest_moment_up(arm: Arm) -> None:
+    """One moment becomes 1.5 times the sum of all."""
+    element = arm[2][2].find("inertia")
+    assert element is not None
+    total = sum(float(element.get(key, "0")) for key in ("ixx", "iyy", "izz"))
+    element.set("izz", repr(1.5 * total))
+
+
+def product_up(arm: Arm) -> None:
+    """A product of inertia beyond the moments, so that one principal moment is negative."""
+    element = arm[2][2].find("inertia")
+    assert element is not None
+    element.set("ixy", repr(1.2 * max(float(element.get(key, "0")) for key in ("ixx", "iyy"))))
+
+
+def mass(change_of: Callable[[float], float], *which: int) -> Callable[[Arm], None]:
+    def change(arm: Arm) -> None:
+        for k in which or range(len(arm[2])):
+            element = arm[2][k].find("mass")
+            assert element is not None
+            element.set("value", repr(change_of(float(element.get("value", "")))))
+
+    return change
+
+
+def both(*changes: Callable[[Arm], None]) -> Callable[[Arm], None]:
+    def change(arm: Arm) -> None:
+        for one in changes:
+            one(arm)
+
+    return change
+
+
+def com(xyz: str, which: int) -> Callable[[Arm], None]:
+    def change(arm: Arm) -> None:
+        origin = arm[2][which].find("origin")
+        if origin is None:
+            origin = ET.SubElement(arm[2][which], "origin")
+        origin.set("xyz", xyz)
+
+    return change
+
+
+def limit(key: str, change_of: Callable[[float], float], *which: int) -> Callable[[Arm], None]:
+    def change(arm: Arm) -> None:
+        for k in which or range(len(arm[1])):
+            element = arm[1][k].find("limit")
+            assert element is not None
+            element.set(key, repr(change_of(float(element.get(key, "0")))))
+
+    return change
+
+
+def origin(scale: float, *which: int) -> Callable[[Arm], None]:
+    def change(arm: Arm) -> None:
+        for k in which or range(len(arm[1])):
+            element = arm[1][k].find("origin")
+            assert element is not None
+            xyz = [max(abs(float(x)), 0.1) * scale for x in element.get("xyz", "0 0 0").split()]
+            element.set("xyz", " ".join(map(repr, xyz)))
+
+    return change
+
+
+def bounded(change_of: Callable[[float, float], tuple[float, float]]) -> Callable[[Arm], None]:
+    """Other bounds of the first joint that has some."""
+
+    def change(arm: Arm) -> None:
+        element = next(j for j in arm[1] if j.get("type") != "continuous").find("limit")
+        assert element is not None
+        low, high = change_of(float(element.get("lower", "0")), float(element.get("upper", "0")))
+        element.attrib.update(lower=repr(low), upper=repr(high))
+
+    return change
+
+
+def no_inertial(arm: Arm) -> None:
+    for link in arm[0].iter("link"):
+        if arm[2][2] in list(link):
+            link.remove(arm[2][2])
+
+
+MUTATIONS: dict[str, tuple[Callable[[Arm], None], str]] = {
+    "a moment above the sum of the others": (largest_moment_up, "inertia_impossible"),
+    "a product of inertia beyond the moments": (product_up, "inertia_impossible"),
+    "a tensor in kg cm^2": (inertia(1e4, 2), "inertia_large"),
+    "all tensors in kg cm^2": (inertia(1e4), "inertia_large"),
+    "all tensors in kg mm^2 over a thousand": (inertia(1e3), "inertia_large"),
+    "a tensor of 1 kg m^2": (tensor(2, ixx=1, iyy=1, izz=1, ixy=0, ixz=0, iyz=0), "inertia_large"),
+    "a tensor of zeros": (inertia(0.0, 2), "inertia_small"),
+    "a tensor a million times too small": (inertia(1e-6, 2), "inertia_small"),
+    "the same tensor everywhere": (tensor(ixx=0.01, iyy=0.01, izz=0.01, ixy=0, ixz=0, iyz=0), "inertias_equal"),
+    "1 kg everywhere": (mass(lambda _: 1.0), "masses_equal"),
+    "1 kg and 1 kg m^2 everywhere": (
+        both(mass(lambda _: 1.0), tensor(ixx=1, iyy=1, izz=1, ixy=0, ixz=0, iyz=0)),
+        "inertia_large",
+    ),
+    "a mass in grams": (mass(lambda m: 1e3 * m, 2), "mass_outlier"),
+    "a mass 100 times too large": (mass(lambda m: 100 * m, 2), "mass_outlier"),
+    "a mass a thousand times too small": (mass(lambda m: 1e-3 * m, 2), "mass_outlier"),
+    "all masses a thousand times too small": (mass(lambda m: 1e-3 * m), "moving_mass_small"),
+    "10 g everywhere": (mass(lambda _: 0.01), "moving_mass_small"),
+    "a centre of mass in mm": (com("120 0 80", 2), "com_far"),
+    "a centre of mass metres away": (com("0 0 4", 2), "com_far"),
+    "a link without inertia": (no_inertial, "no_inertia"),
+    "efforts of 1000": (limit("effort", lambda _: 1000.0), "effort_placeholder"),
+    "an effort of 1000": (limit("effort", lambda _: 1000.0, 3), "effort_placeholder"),
+    "an effort of 1": (limit("effort", lambda _: 1.0, 1), "effort_placeholder"),
+    "an effort of 0": (limit("effort", lambda _: 0.0, 3), "no_effort"),
+    "the same effort everywhere": (limit("effort", lambda _: 80.0), "effort_equal"),
+    "efforts in kN m": (limit("effort", lambda x: 1e-3 * x), "effort_below_weight"),
+    "an effort below the weight": (limit("effort", lambda _: 1.5, 1), "effort_below_weight"),
+    "velocities of 1": (limit("velocity", lambda _: 1.0), "velocity_placeholder"),
+    "velocities of 10": (limit("velocity", lambda _: 10.0), "velocity_placeholder"),
+    "a velocity of 1000": (limit("velocity", lambda _: 1000.0, 2), "velocity_high"),
+    "velocities in degrees": (limit("velocity", math.degrees), "velocity_high"),
+    "a velocity of 0": (limit("velocity", lambda _: 0.0, 2), "no_velocity"),
+    "a velocity next to nothing": (limit("velocity", lambda x: 1e-3 * x, 2), "velocity_low"),
+    "positions in degrees": (bounded(lambda a, b: (math.degrees(a), math.degrees(b))), "position_degrees"),
+    "positions of 1e9": (bounded(lambda *_: (-1e9, 1e9)), "position_degrees"),
+    "a range next to nothing": (bounded(lambda a, _: (a, a + 1e-3)), "position_narrow"),
+    "a joint's place in mm": (origin(300.0, 2), "distance_large"),
+    "all places in mm": (origin(300.0), "distance_large"),
+}
+
+
+def load(name: str, folder: Path, change: Callable[[Arm], None] | None = None) -> ps.Robot:
+    arm = parts(name)
+    if change is not None:
+        change(arm)
+    path = folder / f"{name}.urdf"
+    path.write_text(ET.tostring(arm[0], encoding="unicode"))
+    return ps.load_robot(path, locked=FINGERS if name == "panda" else None)
+
+
+@pytest.mark.parametrize("name", SOUND)
+def test_sound_arms_have_no_findings(name: str, tmp_path: Path) -> None:
+    """With their meshes too, whose volumes go with the masses."""
+    drawn = ps.load_robot(SOUND[name], package_dirs=[ROBOTS.parent], locked=FINGERS if name == "panda" else None)
+    for robot in (drawn, load(name, tmp_path)):
+        assert_sound_model(robot)
+        assert examine(robot).is_sound
+        assert doubts(robot) == ()
+
+
+@pytest.mark.parametrize("mutation", MUTATIONS)
+@pytest.mark.parametrize("name", SOUND)
+def test_every_kind_of_fault_is_found(name: str, mutation: str, tmp_path: Path) -> None:
+    """Refused when it is loaded, with the place, or found by its own code, beside whatever else follows from it."""
+    change, code = MUTATIONS[mutation]
+    try:
+        robot = load(name, tmp_path, change)
+    except ps.ModelError:
+        is_found = code in REFUSED
+    else:
+        examination = examine(robot)
+        codes = {finding.code for finding in examination.findings}
+        is_found = code in codes and examination.verdicts[CODES[code][0]] != "yes"
+    assert is_found
+
+
+def test_the_wrists_of_the_old_ur5_file_are_too_large() -> None:
+    """1.219 kg with 0.2194 kg m^2 about z."""
+    with pytest.raises(AssertionError, match=r"inertia_large: radius of gyration too large: wrist_1_link 0\.424 m"):
+        assert_sound_model(arms.ur5())
+    assert_sound_model(arms.ur5(), allow=["inertia_large"])
+
+
+def test_codes_that_do_not_count_are_known_ones() -> None:
+    with pytest.raises(ps.InputError, match="unknown code in allow 'inertia'"):
+        assert_sound_model(ps.load_robot(), allow=["inertia"])
+
+
+def test_a_verdict_is_never_green_without_the_remark() -> None:
+    """A robot with 1000 N m everywhere was feasible without a word (KR 16-2, IRB 1200 of public files)."""
+    robot = ps.load_robot().with_limits(effort=1000.0)
+    result = ps.assess(robot, ps.quintic_segments([[0.0] * 6, [0.5] * 6], [0.0, 2.0]))
+    assert result.is_feasible
+    assert result.verdict.endswith("; on doubtful data, see the remarks")
+    assert any("all 6 joints have the same effort limit, 1000 N m: a placeholder?" in text for text in result.remarks)
+    assert "a placeholder?" in str(result)
+
+
+def test_volumes_of_meshes_are_held_against_masses() -> None:
+    """The UR10's upper arm of 12.93 kg made 2000 times heavier is denser than lead."""
+    robot = ps.load_robot(SOUND["ur10"], package_dirs=[ROBOTS.parent])
+    model = robot.bare_model.copy()
+    heavy = model.inertias[2]
+    heavy.mass = 2000 * heavy.mass
+    model.inertias[2] = heavy
+    changed = ps.Robot(
+        name="heavy", bare_model=model, joint_names=robot.joint_names, tool=robot.tool,
+        drivetrains=robot.drivetrains, limits=robot.limits, geometry=robot.geometry,
+    )  # fmt: skip
+    found = {finding.code: finding for finding in examine(changed).findings}
+    assert found["density"].parts == ("upper_arm_link",)

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "add_dwell",
-    "add_named_robot",
     "add_payload",
     "add_profile",
     "add_robot",

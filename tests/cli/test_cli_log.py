@@ -266,6 +266,7 @@ def test_other_commands_take_a_log(tmp_path: Path, capsys: pytest.CaptureFixture
     assert "ndecided" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_log_is_replayed_into_a_small_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Every sample was a key frame and a marked point: 36 MB of report for 3.6 s."""
     path = written(tmp_path / "log.csv", rows(3001).tolist())

@@ -26,9 +26,10 @@ def banded(puma: ps.Robot, name: str, rate: float, **kind: float) -> tuple[Torqu
     return band, (band.peak[0] <= peak) & (peak <= band.peak[1]), (band.rms[0] <= rms) & (rms <= band.rms[1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("count", "rates", "least"),
-    [(36, [100, 250, 1000], 34), pytest.param(200, [100, 250, 1000, 8000], 190, marks=pytest.mark.slow)],
+    [(36, [100, 250, 1000], 34), (200, [100, 250, 1000, 8000], 190)],
 )
 def test_true_torques_are_within_their_bands(puma: ps.Robot, count: int, rates: list[float], least: int) -> None:
     """Seeded logs of three moves: four levels of noise, 100 Hz to 8 kHz, jitter, an encoder's steps, rests.

@@ -36,7 +36,7 @@ def test_the_same_acceleration_of_all_joints_is_just_below_what_a_random_scan_fi
     assert limits.gap < 0.021
 
 
-@pytest.mark.parametrize("speed", [0.0, 0.5])
+@pytest.mark.parametrize("speed", [0.0, pytest.param(0.5, marks=pytest.mark.slow)])
 def test_random_states_never_break_what_is_guaranteed(speed: float) -> None:
     limits, rng = puma(speed), np.random.default_rng(3)
     n = 50_000

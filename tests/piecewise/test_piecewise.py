@@ -631,3 +631,16 @@ def test_derivatives_side_by_side_are_the_derivatives() -> None:
     # A polynomial's highest derivatives are exactly what they are, zero included.
     constant = Piecewise.from_power([0.0, 2.0], [[[3.0]]]).with_derivatives(3)
     assert constant(1.0).tolist() == [3.0, 0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("degree", [5, 40])
+def test_the_search_for_extrema_finds_all_turns_of_the_first_components(degree: int) -> None:
+    """They are the sign changes of the slope, also where the component is far from its extrema; of the others none."""
+    rng = np.random.default_rng(degree)
+    breaks = np.array([2.0, 3.0, 3.5, 7.0])
+    f = Piecewise(breaks=breaks, coefficients=rng.normal(size=(degree + 1, 3, 4)) * [1.0, 1e-6, 1e3, 1.0])
+    extrema, turns = f.extrema_and_turns(2)
+    expected = np.sort(np.concatenate(f.derivative().roots()[:2]))
+    np.testing.assert_allclose(np.sort(2.0 + turns), expected, rtol=1e-12)
+    # The series is evaluated at other points at once, and rounded otherwise.
+    np.testing.assert_allclose([extrema.min, extrema.t_max], [f.extrema().min, f.extrema().t_max], rtol=1e-13)

@@ -11,7 +11,7 @@ _RULES: Final = tuple(
     (re.compile(pattern), option)
     for pattern, option in (
         (r"locked=['\"]others['\"]", "--lock-others"),
-        (r"locked=\{'([^']*)': ([^{}]*)\}", r"--lock \1=\2"),
+        (r"\blocked=\{'([^']*)': ([^{}]*)\}", r"--lock \1=\2"),
         (r"locked\['([^']*)'\]", r"--lock \1"),
         (r"package_dirs=\['?([^]']*)'?\]", r"--package-dir \1"),
         (r"limits='(\w+)'", r"--limits \1"),

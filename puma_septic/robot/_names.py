@@ -23,16 +23,19 @@ def named_robots() -> dict[str, Path]:
     """URDF of each robot that can be loaded by name.
 
     Those of example-robot-data are called by their file, without what all have (``ur5_robot.urdf``: ur5), or by their
-    folder where two files have one name.
+    folder where files of several folders have one name. Of two files of one folder the larger has the name: the other
+    is an empty one (``ur3.urdf``).
 
     Returns
     -------
     dict of str to Path
     """
-    files = sorted(folder for root in _example_folders() for folder in root.rglob("*.urdf"))
-    counts = Counter(_short(path.stem) for path in files), Counter(path.stem.lower() for path in files)
-    names = [_name(path, *counts) for path in files]
-    return {BUILT_IN: data_folder() / f"{BUILT_IN}.urdf", **dict(sorted(zip(names, files, strict=True)))}
+    files: dict[tuple[Path, str], Path] = {}
+    for path in sorted((path for root in _example_folders() for path in root.rglob("*.urdf")), key=_size):
+        files[path.parent, _short(path.stem)] = path
+    counts = Counter(name for _, name in files)
+    called = {name if counts[name] == 1 else _short(path.parents[1].name): path for (_, name), path in files.items()}
+    return {BUILT_IN: data_folder() / f"{BUILT_IN}.urdf", **dict(sorted(called.items()))}
 
 
 def robot_file(source: str | Path) -> Path:
@@ -81,11 +84,8 @@ def _example_folders() -> list[Path]:
     return [folder for folder in folders if folder.is_dir()][:1]
 
 
-def _name(path: Path, short: Counter[str], whole: Counter[str]) -> str:
-    stem = path.stem.lower()
-    if short[_short(stem)] == 1:
-        return _short(stem)
-    return stem if whole[stem] == 1 else _short(path.parents[1].name)
+def _size(path: Path) -> tuple[int, Path]:
+    return path.stat().st_size, path
 
 
 def _short(name: str) -> str:

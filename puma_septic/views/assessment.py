@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from html import escape
-from math import isinf, isnan
+from math import inf, isinf, isnan
 from typing import Any, Final
 
 from puma_septic.document import csv_text, numeric
@@ -20,6 +20,8 @@ Document = Mapping[str, Any]
 _MOTION: Final = ("joint", *MOTION)
 # What is not known, which the list below the tables explains.
 _UNKNOWN: Final = "--"
+# Below this part of the largest of all joints a value is what rounding left, in tables.
+_ROUNDING: Final = 1e-9
 # What a row of the CSV file has no place for.
 _NO_METRIC: Final = ("name", "is_prismatic", "checks", "margins")
 
@@ -132,14 +134,14 @@ def _joint_rows(document: Document) -> tuple[list[list[Cell]], list[list[Cell]]]
     motion: list[list[Cell]] = []
     effort: list[list[Cell]] = []
     further = _further(document)
-    for joint in document["joints"]:
+    for joint in _without_rounding(document["joints"]):
         checks = {check.quantity: check for check in read_checks(joint["checks"])}
         motion.append([
             joint["name"],
             f"{joint['position_min']:.3f} .. {joint['position_max']:.3f}{_use(checks.get('position'))}",
             *(_size(joint[f"peak_{name}"], checks.get(name)) for name in MOTION[1:]),
         ])  # fmt: skip
-        torque = numeric(joint["peak_torque"]) * joint["peak_torque_sign"]
+        torque = numeric(joint["peak_torque"]) * joint["peak_torque_sign"] + 0.0  # no -0
         at = numeric(joint["peak_torque_time"])
         effort.append([
             joint["name"],
@@ -151,6 +153,17 @@ def _joint_rows(document: Document) -> tuple[list[list[Cell]], list[list[Cell]]]
             _size(joint["energy_out"], None),
         ])  # fmt: skip
     return motion, effort
+
+
+def _without_rounding(joints: Sequence[Document]) -> list[dict[str, Any]]:
+    """The joints, with 0 for each peak, mean and energy that is nothing beside the largest of all joints."""
+    cleaned = [dict(joint) for joint in joints]
+    for key in (key for key in joints[0] if key.startswith(("peak_", "rms_", "energy_"))):
+        sizes = [abs(numeric(joint[key])) for joint in joints]
+        floor = _ROUNDING * max((size for size in sizes if size < inf), default=0.0)
+        for joint, size in zip(cleaned, sizes, strict=True):
+            joint[key] = 0.0 if size < floor else joint[key]
+    return cleaned
 
 
 def _size(value: float | str | None, check: LimitCheck | None) -> str:

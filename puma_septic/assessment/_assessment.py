@@ -8,6 +8,7 @@ from typing import Any, final
 
 import numpy as np
 
+from puma_septic.assessment._doubts import unit_doubts
 from puma_septic.assessment._joints import PowerMetrics, coulomb_steps, derivative_peak, joint_metrics, power_metrics
 from puma_septic.assessment._limits import limit_checks, unknown_values
 from puma_septic.assessment._tool import ToolMetrics, tool_metrics
@@ -221,8 +222,8 @@ class Assessment:
 
     @property
     def undecided(self) -> tuple[str, ...]:
-        """What must be settled before a verdict, such as the noise or the units of a log; none for a planned motion."""
-        return self.motion.trajectory.doubts
+        """What must be settled before a verdict: the noise or the units of a log, points that look like degrees."""
+        return self.motion.trajectory.doubts or unit_doubts(self.motion.robot, self.motion.trajectory)
 
     @property
     def not_assessed(self) -> tuple[str, ...]:

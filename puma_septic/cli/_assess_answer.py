@@ -9,7 +9,7 @@ from pathlib import Path
 
 from puma_septic.assessment import Assessment
 from puma_septic.cli._output_arguments import with_report
-from puma_septic.cli._parser import Answer
+from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._task_arguments import asked_task
 from puma_septic.cli._task_text import assessed_text, turned_text
 from puma_septic.pictures import assessment_pictures
@@ -36,6 +36,8 @@ def answer(arguments: Namespace) -> Answer:
         text = "\n\n".join(parts)
     if arguments.out is not None:
         _write_folder(arguments, shown)
+    if any(one.undecided for one in asked[0][1]):
+        return Answer(with_report(text, arguments), UNDECIDED)
     is_feasible = not any(one.keeps(arguments.margin) for one in asked[0][1])
     return Answer(with_report(text, arguments), 0 if is_feasible else 1)
 

@@ -6,7 +6,7 @@ from argparse import ArgumentParser, Namespace
 from typing import TYPE_CHECKING
 
 from puma_septic.cli._output_arguments import add_format, add_out, with_report
-from puma_septic.cli._parser import Answer
+from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._recording_arguments import add_recording
 from puma_septic.cli._task_arguments import add_dwell, add_payload, add_profile, add_task, asked_task
 
@@ -54,15 +54,15 @@ def run(arguments: Namespace) -> Answer:
     from puma_septic.task import resolve_task
 
     if arguments.csv is not None:
-        from puma_septic.cli._recorded import UNDECIDED, recorded, told
+        from puma_septic.cli._recorded import recorded, told
 
         what = recorded(arguments)
         comparison, title, head = _beside(what.motion.trajectory, what.robot, arguments), what.path, told(what)
-        code = UNDECIDED if what.motion.trajectory.doubts else 0
     else:
         resolved = resolve_task(asked_task(arguments, "paper"))
-        comparison, title, code = _compared(resolved, arguments), resolved.task.name, 0
+        comparison, title = _compared(resolved, arguments), resolved.task.name
         head = f"Task {resolved.task.name!r}, robot {resolved.robot.name!r}"
+    code = UNDECIDED if any(row["undecided"] for row in comparison.to_dict()["profiles"]) else 0
     if arguments.out is not None:
         _write_folder(arguments, comparison, f"{title}: profiles compared")
     if arguments.format == "json":

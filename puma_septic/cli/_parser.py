@@ -6,12 +6,15 @@ import re
 import sys
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple, NoReturn, Protocol
+from typing import Final, NamedTuple, NoReturn, Protocol
 
 from puma_septic._version import __version__
 from puma_septic.errors import did_you_mean
 
-__all__ = ["Answer", "Command", "parse"]
+__all__ = ["UNDECIDED", "Answer", "Command", "parse"]
+
+# Exit code of a motion whose units or noise leave the verdict open.
+UNDECIDED: Final = 3
 
 _NEGATIVE = re.compile(r"-[0-9.]+[eE][-+]?[0-9]+|-[0-9.].*,.*")
 
@@ -51,7 +54,7 @@ def parse(given: Sequence[str], commands: Mapping[str, Command]) -> Namespace:
         prog="puma-septic",
         description="Joint trajectories of robot arms, checked against what the motors can do.",
         epilog="Exit code: 0 all shown profiles are feasible, 1 one of them violates a limit, 2 bad input, 3 undecided:"
-        " the noise or the units of a recorded motion leave it open, 70 a fault of the program.",
+        " the units of a motion, or the noise of a recorded one, leave it open, 70 a fault of the program.",
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"puma-septic {__version__}")

@@ -11,7 +11,7 @@ import numpy as np
 from puma_septic._version import __version__
 from puma_septic.assessment import Assessment, assess
 from puma_septic.cli._output_arguments import with_report
-from puma_septic.cli._parser import Answer
+from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._task_arguments import asked_robot
 from puma_septic.cli._task_text import details, margin_text, wrapped
 from puma_septic.document import SCHEMAS
@@ -26,7 +26,6 @@ from puma_septic.views.tables import number
 
 __all__ = ["Recorded", "recorded", "run_log", "told"]
 
-UNDECIDED: Final = 3
 # A step this many times the usual one is a gap, over which a spline would invent a motion.
 _GAP: Final = 10
 

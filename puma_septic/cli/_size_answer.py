@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final, final
 
+from puma_septic.assessment import assess
 from puma_septic.cli._output_arguments import with_report
-from puma_septic.cli._parser import Answer
+from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._task_arguments import asked_task
 from puma_septic.cli._task_text import wrapped
 from puma_septic.cycle import Cycle, Dwell, with_return
@@ -57,28 +59,33 @@ class _Asked:
     code: int = 0
 
 
+def _questions(doubts: Sequence[str]) -> str:
+    return "".join(f"\nUndecided: {doubt}" for doubt in doubts)
+
+
 def _asked(arguments: Namespace) -> _Asked:
     """The cycle of a task, or of a recorded motion as it is, with the asked rest."""
     if arguments.csv is None:
         resolved = resolve_task(asked_task(arguments, "paper", profiles=arguments.profile))
+        doubts = list(assess(resolved.robot, resolved.trajectories[0]).undecided)
         return _Asked(
             name=resolved.task.name,
             cycle=_cycle(resolved, one_way=arguments.one_way),
-            head=f"Task {resolved.task.name!r}, profile {resolved.trajectories[0].profile}",
-            document={"task": resolved.task.document()},
+            head=f"Task {resolved.task.name!r}, profile {resolved.trajectories[0].profile}{_questions(doubts)}",
+            document={"task": resolved.task.document(), **({"undecided": doubts} if doubts else {})},
+            code=UNDECIDED if doubts else 0,
         )
     if arguments.profile is not None:
         raise InputError("--profile does not go with --csv: the file has the points")
-    from puma_septic.cli._recorded import UNDECIDED, recorded, told  # SciPy, which fits it, takes a while to load
+    from puma_septic.cli._recorded import recorded, told  # SciPy, which fits it, takes a while to load
 
     what = recorded(arguments)
     doubts = list(what.motion.trajectory.doubts)
-    undecided = "".join(f"\nUndecided: {doubt}" for doubt in doubts)
     rest = (Dwell(duration=arguments.dwell),) if arguments.dwell else ()
     return _Asked(
         name=what.path,
         cycle=Cycle(steps=(what.motion, *rest)),
-        head=f"{told(what)}{undecided}\nThe cycle is the recorded motion alone",
+        head=f"{told(what)}{_questions(doubts)}\nThe cycle is the recorded motion alone",
         document={"file": what.path, "undecided": doubts},
         code=UNDECIDED if doubts else 0,
     )

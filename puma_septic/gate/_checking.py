@@ -132,11 +132,12 @@ def check_trajectory(
     tolerance = checked_number("start_tolerance", start_tolerance, unit="rad", at_least=0.0)
     place = None if start is None else checked_array("start", start, (robot.n_joints,), unit="rad")
     judged, moving, notes = _ends(robot, trajectory, allowed)
-    reasons = [*moving, *_unknown(robot, allowed), *_doubts(trajectory, allowed)]
+    reasons = [*moving, *_unknown(robot, allowed)]
     if place is not None:
         reasons += _start_mismatch(robot, trajectory, place, tolerance)
     reasons += _unknown_torques(robot, allowed)
     assessment = assess(robot, judged)
+    reasons += _doubts(assessment, allowed)
     margins = []
     for check in assessment.checks:
         finite = check if np.isfinite(check.demand) else _finite_part(robot, judged, assessment, check)
@@ -228,9 +229,9 @@ def _unknown(robot: Robot, allowed: frozenset[str]) -> list[Reason]:
     return reasons
 
 
-def _doubts(trajectory: Trajectory, allowed: frozenset[str]) -> list[Reason]:
-    """What leaves the motion itself unknown: nothing of a planned one, the noise and the units of a recorded one."""
-    return [Reason(code="doubtful", message=doubt, allowed="doubtful" in allowed) for doubt in trajectory.doubts]
+def _doubts(assessment: Assessment, allowed: frozenset[str]) -> list[Reason]:
+    """What leaves the motion itself unknown: the noise and the units of a recorded one, the units of a planned one."""
+    return [Reason(code="doubtful", message=doubt, allowed="doubtful" in allowed) for doubt in assessment.undecided]
 
 
 def _missing(code: str, joint: str, quantity: str, text: str, allowed: frozenset[str]) -> Reason:

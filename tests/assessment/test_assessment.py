@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from functools import cache
 from pathlib import Path
 
@@ -244,7 +245,7 @@ def test_a_feasible_motion_names_the_limit_it_uses_most(puma: ps.Robot) -> None:
 def test_what_is_unknown_is_listed_and_never_makes_a_motion_infeasible(puma: ps.Robot) -> None:
     """With NaN, ``any(demand > limit)`` is false and ``not all(demand <= limit)`` is true: neither will do."""
     unknown = puma.with_limits(NO_LIMITS).with_actuators([ps.Actuator()] * 6)
-    result = ps.assess(unknown, ps.septic(10 * np.arange(24.0).reshape(4, 6), [0, 0.1, 0.2, 0.3]))
+    result = ps.assess(unknown, ps.septic(np.arange(24.0).reshape(4, 6) / 2, [0, 0.1, 0.2, 0.3]))
     assert result.is_feasible
     assert result.worst is None
     assert result.checks == ()
@@ -464,3 +465,36 @@ def test_arguments_that_do_not_belong_together_are_refused(puma: ps.Robot) -> No
         ps.assess(motion, dwell=-1.0)
     with pytest.raises(ps.InputError, match="dwell"):
         ps.assess(motion, dwell=float("nan"))
+
+
+# ---- points in another unit
+
+
+def test_points_that_look_like_degrees_are_questioned(puma: ps.Robot) -> None:
+    """Joint 1 planned to 90 "rad" had a verdict of torque and not a word of the unit."""
+    move = ps.quintic_segments([[0, 45, -90, 0, 10, 0], [90, 30, -80, 10, 20, 0]], [0, 2])
+    result = ps.assess(puma, move)
+    assert not result.is_feasible
+    assert result.verdict.startswith("undecided: points in degrees? joint1 reaches 90 rad, 14.3 turns, its bounds are")
+    assert result.verdict.endswith("90 deg would be 1.57 rad")
+    assert result.to_dict()["undecided"] == list(result.undecided)
+
+
+def test_points_within_bounds_or_a_little_beyond_are_not_taken_for_degrees(puma: ps.Robot) -> None:
+    """A violated bound is an answer; a joint whose bounds say so may turn as far as it likes."""
+    beyond = ps.quintic_segments([[0.0] * 6, [3.5] * 6], [0, 5])
+    assert ps.assess(puma, beyond).verdict.startswith("infeasible")
+    far = ps.quintic_segments([[0.0] * 6, [0.0] * 5 + [90.0]], [0, 500])
+    assert ps.assess(puma, far).undecided
+    bounds = [[-100.0, 100.0]] * 6
+    assert not ps.assess(puma.with_limits(position=bounds), far).undecided
+
+
+def test_what_rounding_leaves_of_a_joint_at_rest_is_shown_as_zero(puma: ps.Robot) -> None:
+    """Numeric inverse kinematics left 1e-12 rad in a joint at rest: "2.242e-12 rad/s" stood in the table as a speed."""
+    move = ps.quintic_segments([[0.0, 0.6, -2.2, 0.0, 0.3, 0.0], [0.4, 1.2, -2.6, 0.0, 0.6, -1e-12]], [0, 1])
+    result = ps.assess(puma, move)
+    rows = [line for line in str(result).splitlines() if line.startswith("joint6")]
+    assert not any("e-1" in row for row in rows)
+    assert re.search(r" 0 \(0 %\) +0 +0$", rows[0])
+    assert result.to_dict()["joints"][5]["peak_velocity"] == pytest.approx(1.875e-12)  # the document has what it is

@@ -149,3 +149,19 @@ def test_help_loads_no_library() -> None:
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.endswith("False\n")
     assert "--catalogue" in done.stdout
+
+
+@pytest.mark.parametrize("command", [["assess"], ["compare", "--profile", "quintic"], ["size"]])
+def test_a_task_in_degrees_is_questioned_by_every_command(
+    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Points of 90 "rad" were assessed, compared and sized for, and the unit was not questioned."""
+    task = tmp_path / "degrees.yaml"
+    task.write_text(
+        "name: degrees\npoints:\n"
+        "  - {name: a, joints: [0, 45, -90, 0, 10, 0]}\n  - {name: b, joints: [90, 30, -80, 10, 20, 0]}\n"
+        "times: [0, 2]\nprofiles: [quintic]\n",
+        encoding="utf-8",
+    )
+    assert main([command[0], str(task), *command[1:]]) == 3
+    assert "points in degrees? joint1 reaches 90 rad" in " ".join(capsys.readouterr().out.split())

@@ -62,7 +62,7 @@ def run(arguments: Namespace) -> Answer:
     from puma_septic.robot import Payload, load_robot
     from puma_septic.worst_case import acceleration_limits
 
-    robot = load_robot(**asked_robot(arguments, {}))
+    robot = load_robot(**asked_robot(arguments, {"source": "puma560"}))
     speeds = arguments.speed * robot.limits.velocity if arguments.speed else np.zeros(robot.n_joints)
     if np.isnan(speeds).any():
         names = [name for name, speed in zip(robot.joint_names, speeds, strict=True) if np.isnan(speed)]

@@ -37,7 +37,7 @@ def run(arguments: Namespace) -> Answer:
     from puma_septic.robot import load_robot, robot_files
     from puma_septic.views.doctor import sarif
 
-    section = asked_robot(arguments, {})
+    section = asked_robot(arguments, {"source": "puma560"})
     source = section.pop("source")
     examination = examine(load_robot(source, **section))
     code = 0 if examination.is_sound else 1

@@ -167,8 +167,9 @@ def _ignored(assessment: Assessment, ignore: Iterable[str | tuple[str, str]]) ->
     for name in names:
         if isinstance(name, str):
             checked_choice("joint or quantity in ignore", name, [*joints, *QUANTITIES])
+        elif isinstance(name, tuple) and len(name) == 2:
+            checked_choice("joint in ignore", name[0], joints)
+            checked_choice("quantity in ignore", name[1], QUANTITIES)
         else:
-            joint, quantity = name
-            checked_choice("joint in ignore", joint, joints)
-            checked_choice("quantity in ignore", quantity, QUANTITIES)
+            raise InputError(f"ignore: expected a joint, a quantity or a pair (joint, quantity), got {name!r}")
     return names

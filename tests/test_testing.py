@@ -101,6 +101,8 @@ def test_an_unbounded_acceleration_fails_without_any_limit(puma: ps.Robot, motio
         (["elbw"], "unknown joint or quantity in ignore 'elbw'; valid: 'joint1'.*'effort'"),
         ([("joint9", "effort")], "unknown joint in ignore 'joint9'; valid: 'joint1'"),
         ([("joint1", "torque")], "unknown quantity in ignore 'torque'; valid: 'position'"),
+        ([("joint1",)], r"ignore: expected a joint, a quantity or a pair .*, got \('joint1',\)"),
+        ([1], "ignore: expected a joint, a quantity or a pair .*, got 1"),
         ("effort", r"ignore: expected a list of names, got the text 'effort'; write \['effort'\]"),
     ],
 )

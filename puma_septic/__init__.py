@@ -72,6 +72,7 @@ _HOMES: Final = {
     "own_drivetrains": "robot",
     "paper": "paper",
     "pareto_front": "optimisation",
+    "paths": "paths",
     "plots": "plots",
     "profiles": "profiles",
     "quintic_segments": "profiles",
@@ -87,6 +88,7 @@ _HOMES: Final = {
     "size": "sizing",
     "sizing": "sizing",
     "tool_motion": "kinematics",
+    "tool_move": "paths",
     "torque_terms": "dynamics",
     "worst_holding_torque": "worst_case",
     "write_joint_trajectory": "ros",
@@ -100,6 +102,7 @@ if TYPE_CHECKING:
     from puma_septic import cycle as cycle
     from puma_septic import doctor as doctor
     from puma_septic import paper as paper
+    from puma_septic import paths as paths
     from puma_septic import plots as plots
     from puma_septic import profiles as profiles
     from puma_septic import sizing as sizing
@@ -141,6 +144,7 @@ if TYPE_CHECKING:
     from puma_septic.optimisation import least_time as least_time
     from puma_septic.optimisation import optimise_via_times as optimise_via_times
     from puma_septic.optimisation import pareto_front as pareto_front
+    from puma_septic.paths import tool_move as tool_move
     from puma_septic.piecewise import Piecewise as Piecewise
     from puma_septic.profiles import lspb as lspb
     from puma_septic.profiles import quintic_segments as quintic_segments

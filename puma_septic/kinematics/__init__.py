@@ -1,8 +1,8 @@
 """Kinematics: where the tool is, how it moves, and which joint positions put it somewhere."""
 
 from puma_septic.kinematics._chain import chain_to, checked_joint_values
-from puma_septic.kinematics._closed_form import is_puma
-from puma_septic.kinematics._forward import ToolMotion, forward_kinematics, jacobian, tool_motion
+from puma_septic.kinematics._closed_form import has_closed_form, is_puma
+from puma_septic.kinematics._forward import ToolMotion, forward_kinematics, jacobian, tool_derivatives, tool_motion
 from puma_septic.kinematics._heights import LowestPoints, lowest_points
 from puma_septic.kinematics._inverse import (
     IkBatch,
@@ -11,6 +11,7 @@ from puma_septic.kinematics._inverse import (
     inverse_kinematics_batch,
     rtb_names,
 )
+from puma_septic.kinematics._poses import checked_poses, pose_errors
 from puma_septic.kinematics._puma_branches import CONFIGURATIONS
 from puma_septic.kinematics._singularity import singularity_distances, singularity_names, singularity_zeros
 
@@ -22,15 +23,19 @@ __all__ = [
     "ToolMotion",
     "chain_to",
     "checked_joint_values",
+    "checked_poses",
     "forward_kinematics",
+    "has_closed_form",
     "inverse_kinematics",
     "inverse_kinematics_batch",
     "is_puma",
     "jacobian",
     "lowest_points",
+    "pose_errors",
     "rtb_names",
     "singularity_distances",
     "singularity_names",
     "singularity_zeros",
+    "tool_derivatives",
     "tool_motion",
 ]

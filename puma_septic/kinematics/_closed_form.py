@@ -92,6 +92,11 @@ def is_puma(robot: Robot) -> bool:
     return isinstance(closed_form(robot), PumaGeometry)
 
 
+def has_closed_form(robot: Robot) -> bool:
+    """Whether inverse kinematics finds all branches by name, for six revolute joints of a known pattern."""
+    return closed_form(robot) is not None
+
+
 def configurations(form: ClosedForm) -> tuple[str, ...]:
     """Names of the eight branches."""
     return CONFIGURATIONS if isinstance(form, PumaGeometry) else form.configurations

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from math import comb
 from typing import final
 
 import numpy as np
@@ -13,7 +15,7 @@ from puma_septic.kinematics._chain import chain_to, checked_joint_values, cross,
 from puma_septic.robot import Robot
 from puma_septic.validation import Array
 
-__all__ = ["ToolMotion", "forward_kinematics", "jacobian", "tool_motion"]
+__all__ = ["ToolMotion", "forward_kinematics", "jacobian", "tool_derivatives", "tool_motion"]
 
 
 @final
@@ -168,40 +170,65 @@ def tool_motion(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> ToolM
     values = [checked_joint_values(robot, name, x).T for name, x in (("q", q), ("v", v), ("a", a))]
     if not np.shape(q) == np.shape(v) == np.shape(a):
         raise InputError(f"q, v, a: shapes {np.shape(q)}, {np.shape(v)}, {np.shape(a)} differ")
-    moved = [x.T if np.ndim(q) == 2 else x[:, 0] for x in _swept(robot, *values)]
-    position, velocity, acceleration, angular_velocity, angular_acceleration = moved
+    position, linear, angular = tool_derivatives(robot, values[0], values[1:])
+    moved = [x.T if np.ndim(q) == 2 else x[:, 0] for x in (position, *linear, *angular)]
     return ToolMotion(
-        position=position,
-        velocity=velocity,
-        acceleration=acceleration,
-        angular_velocity=angular_velocity,
-        angular_acceleration=angular_acceleration,
+        position=moved[0],
+        velocity=moved[1],
+        acceleration=moved[2],
+        angular_velocity=moved[3],
+        angular_acceleration=moved[4],
     )
 
 
-def _swept(robot: Robot, q: Array, v: Array, a: Array) -> tuple[Array, Array, Array, Array, Array]:
-    """Position, velocity, acceleration, angular velocity and acceleration, each (3, n), by the recursion."""
-    chain = chain_to(robot)
-    origin, velocity, acceleration, omega, alpha = np.zeros((5, 3, q.shape[1]))
+def tool_derivatives(robot: Robot, q: Array, rates: Sequence[Array]) -> tuple[Array, list[Array], list[Array]]:
+    r"""Derivatives of the tool's position and turning, of as many orders as there are rates of the joints.
 
-    def carry(to: Array) -> None:
-        nonlocal origin, velocity, acceleration
-        lever = to - origin
-        turning = cross(omega, lever)
-        velocity = velocity + turning
-        acceleration = acceleration + cross(alpha, lever) + cross(omega, turning)
-        origin = to
+    With :math:`x^{(k+1)} = \sum_i \binom{k}{i} \omega^{(i)} \times x^{(k-i)}` for every vector x that turns with
+    a link, levers and axes, the recursion of `tool_motion` holds for any order: a revolute joint adds
+    :math:`(z \dot q)^{(k)}` to the turning, a prismatic one :math:`(z q)^{(k)} - z^{(k)} q` to the motion.
 
-    frame = np.eye(4, 3)[:, :, None]
+    Parameters
+    ----------
+    robot : Robot
+    q : ndarray, shape (n_joints, n)
+    rates : sequence of ndarray
+        Velocity, acceleration, jerk and so on of the joints, each of shape (n_joints, n).
+
+    Returns
+    -------
+    position : ndarray, shape (3, n)
+    linear : list of ndarray, each (3, n)
+        Velocity, acceleration, ... of the tool's origin, in world axes.
+    angular : list of ndarray, each (3, n)
+        Angular velocity and its derivatives.
+    """
+    chain, orders = chain_to(robot), range(len(rates))
+    origin, frame = np.zeros((3, q.shape[1])), np.eye(4, 3)[:, :, None]
+    linear = [np.zeros((3, q.shape[1])) for _ in orders]
+    angular = [np.zeros((3, q.shape[1])) for _ in orders]
     joints = zip(chain.columns, chain.factors, chain.prismatic, frames(chain, q), strict=True)
     for column, factor, slides, frame in joints:
-        carry(frame[3].copy())
-        rate, change = frame[2] * (factor * v[column]), frame[2] * (factor * a[column])
-        if slides:
-            acceleration = acceleration + change + 2.0 * cross(omega, rate)
-            velocity = velocity + rate
-        else:
-            alpha = alpha + change + cross(omega, rate)
-            omega = omega + rate
-    carry(np.tensordot(chain.end[:, 3], frame, axes=1) + np.zeros(q.shape[1]))
-    return origin, velocity, acceleration, omega, alpha
+        lever = frame[3] - origin
+        origin = origin + lever
+        axis, levers = _turning(frame[2], angular), _turning(lever, angular)
+        added = [
+            sum(comb(k + slides, i) * axis[i] * (factor * rates[k - i][column]) for i in range(k + 1))
+            + np.zeros_like(origin)
+            for k in orders
+        ]
+        for k in orders:
+            linear[k] = linear[k] + levers[k + 1] + (added[k] if slides else 0.0)
+            angular[k] = angular[k] + (0.0 if slides else added[k])
+    lever = np.tensordot(chain.end[:, 3], frame, axes=1) - origin
+    levers = _turning(lever, angular)
+    return origin + lever, [linear[k] + levers[k + 1] for k in orders], angular
+
+
+def _turning(vector: Array, angular: Sequence[Array]) -> list[Array]:
+    """The vector of a body and its derivatives, one more than there are of the body's turning."""
+    derivatives = [np.array(vector)]
+    for k in range(len(angular)):
+        terms = [comb(k, i) * cross(angular[i], derivatives[k - i]) for i in range(k + 1)]
+        derivatives.append(np.sum(terms, axis=0) if k else terms[0])
+    return derivatives

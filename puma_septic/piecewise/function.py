@@ -291,6 +291,12 @@ class Piecewise:
         x = (2 * offsets - (left + right)) / (right - left)
         return _evaluated(matrices.basis_at(x, self.degree), self.coefficients, piece)
 
+    def at(self, piece: NDArray[np.int64], x: Array) -> Array:
+        """Values (k, m) at points x (k,) in [-1, 1] of the intervals `piece` (k,): seen from the interval, also at its
+        ends.
+        """
+        return _evaluated(matrices.basis_at(x, self.degree), self.coefficients, piece)
+
     def power_coefficients(self) -> Array:
         """Coefficients of powers of ``t - breaks[i]`` on each interval, ascending, shape (n, degree + 1, m).
 

@@ -1,0 +1,22 @@
+"""Paths of the tool: lines, arcs and rounded polylines, and the joint motion that follows them."""
+
+from puma_septic.paths._curves import arc, circle, line
+from puma_septic.paths._joint_path import JointPath, follow
+from puma_septic.paths._laws import at_speed, in_time
+from puma_septic.paths._move import timed, tool_move
+from puma_septic.paths._path import Path
+from puma_septic.paths._polyline import polyline
+
+__all__ = [
+    "JointPath",
+    "Path",
+    "arc",
+    "at_speed",
+    "circle",
+    "follow",
+    "in_time",
+    "line",
+    "polyline",
+    "timed",
+    "tool_move",
+]

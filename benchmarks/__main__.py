@@ -10,13 +10,14 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 import bench_assessment
 import bench_ik
+import bench_paths
 import bench_processes
 import bench_profiles
 import bench_sizing
 
 from puma_septic.views.tables import text_table
 
-for benchmark in (bench_assessment, bench_processes, bench_ik, bench_profiles, bench_sizing):
+for benchmark in (bench_assessment, bench_processes, bench_ik, bench_paths, bench_profiles, bench_sizing):
     headers, *rows = benchmark.run()
     print(text_table(headers, rows), flush=True)
     print()

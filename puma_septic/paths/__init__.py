@@ -6,10 +6,12 @@ from puma_septic.paths._laws import at_speed, in_time
 from puma_septic.paths._move import timed, tool_move
 from puma_septic.paths._path import Path
 from puma_septic.paths._polyline import polyline
+from puma_septic.paths._tool import ToolRates, tool_rates
 
 __all__ = [
     "JointPath",
     "Path",
+    "ToolRates",
     "arc",
     "at_speed",
     "circle",
@@ -19,4 +21,5 @@ __all__ = [
     "polyline",
     "timed",
     "tool_move",
+    "tool_rates",
 ]

@@ -20,7 +20,8 @@ _DEGREE = 24
 # What the series may differ by from the values at the nodes: of the position in rad (m); of each derivative as a part
 # of its largest value on the interval. Near a singularity an inverse Jacobian costs three digits of sixteen an order.
 _TOLERANCES = np.array([1e-12, 1e-11, 1e-10, 1e-9])
-# Beside that, the floor of a derivative whose arm is nearly still there: a part of the largest on the whole span.
+# Beside that, the floor of a derivative that is nearly zero: a part of the largest on the whole span, and what
+# changes the derivatives below it by this part over the interval.
 _FLOOR = 1e-13
 # And the rounding of the argument, in m or s, times the next derivative: what a pose near a singularity leaves open of
 # its joint positions is seen at the tool as no more than this.
@@ -97,6 +98,7 @@ def _agrees(series: Array, values: Array, lengths: Array, scale: Array) -> NDArr
     good, derivative = np.ones(len(lengths), dtype=np.bool_), series
     sizes = np.abs(values).max(axis=(1, 3))
     nexts = np.append(sizes[1:], [sizes[3] ** 2 / np.maximum(sizes[2], np.finfo(np.float64).tiny)], axis=0)
+    change = np.zeros(len(lengths))
     for order in range(4):
         if order:
             matrix = matrices.derivative_matrix(len(derivative) - 1)
@@ -106,6 +108,9 @@ def _agrees(series: Array, values: Array, lengths: Array, scale: Array) -> NDArr
         else:
             error = derivative[-3:]
         largest = sizes[order] if order else np.maximum(sizes[0], 1.0)
-        allowed = _TOLERANCES[order] * largest + _ROUNDING * nexts[order] + (_FLOOR * scale[order] if order else 0.0)
+        allowed = _TOLERANCES[order] * largest + _ROUNDING * nexts[order]
+        if order:
+            change = np.maximum(sizes[order], change / lengths)
+            allowed += _FLOOR * (scale[order] + change)
         good &= np.abs(error).max(axis=(0, 2)) <= allowed
     return good

@@ -12,6 +12,9 @@ from puma_septic.validation import Array
 
 __all__ = ["beyond_limit", "off_path", "out_of_reach", "place", "singular"]
 
+# A pose that is nearer than this to one in reach, in m, is reached, by another branch.
+_REACHED = 1e-9
+
 
 def place(path: Path, s: float) -> str:
     """A place on the path in words."""
@@ -21,10 +24,10 @@ def place(path: Path, s: float) -> str:
 
 
 def out_of_reach(path: Path, s: float, q: Array, distance: float, held: str) -> NoSolution:
-    """The branch ends because the pose is out of reach."""
-    by = f" by {distance:.3g} m" if distance > 0 else ""
+    """The branch ends: no branch reaches the pose, or others do."""
+    ends = f"out of reach by {distance:.3g} m" if distance > _REACHED else "this branch ends"
     return NoSolution(
-        f"{path.kind}{held}: out of reach{by} {place(path, s)}; move the path nearer, or its ends",
+        f"{path.kind}{held}: {ends} {place(path, s)}; move the path nearer, or its ends",
         residual=distance,
         q=q,
     )

@@ -1,0 +1,146 @@
+"""What the tool does along a trajectory: its speed, acceleration, jerk and angular speed, and limits of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+
+from puma_septic.errors import InputError
+from puma_septic.kinematics import tool_derivatives
+from puma_septic.limit_check import LimitCheck
+from puma_septic.piecewise import Piecewise
+from puma_septic.robot import Robot
+from puma_septic.trajectory import Trajectory
+from puma_septic.validation import Array, checked_choice, checked_number
+
+__all__ = ["ToolRates", "tool_rates"]
+
+# Each quantity: where its vector stands among the components, the joints' derivative that makes it unbounded, its unit.
+_QUANTITIES: Final = {
+    "speed": (0, 1, "m/s"),
+    "acceleration": (1, 2, "m/s^2"),
+    "jerk": (2, 3, "m/s^3"),
+    "angular speed": (3, 1, "rad/s"),
+}
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class ToolRates:
+    """The motion of the tool's origin as functions of time, in world axes.
+
+    Attributes
+    ----------
+    trajectory : Trajectory
+    vectors : Piecewise
+        Twelve components: velocity, acceleration, jerk and angular velocity, three each.
+    """
+
+    trajectory: Trajectory
+    vectors: Piecewise
+
+    def vector(self, quantity: str) -> Piecewise:
+        """The vector whose length is the quantity: "speed", "acceleration", "jerk" or "angular speed"."""
+        k = _QUANTITIES[checked_choice("quantity", quantity, tuple(_QUANTITIES))][0]
+        return self.vectors[3 * k : 3 * k + 3]
+
+    def square(self, quantity: str) -> Piecewise:
+        """The square of the quantity, which is smooth also where the tool rests."""
+        vector = self.vector(quantity)
+        squares = vector * vector
+        series = squares.coefficients.sum(axis=2, keepdims=True)
+        return Piecewise(breaks=squares.breaks, coefficients=series)
+
+    def peak(self, quantity: str) -> tuple[float, float]:
+        """Largest value and its instant, s; infinite at the first step of what it is the derivative of.
+
+        Examples
+        --------
+        >>> import puma_septic as ps
+        >>> robot = ps.load_robot()
+        >>> pose = ps.forward_kinematics(robot, [0, 0.5, -2.5, 0, 0.7, 0])
+        >>> path = ps.paths.line(pose, pose[:3, 3] + [0, 0.2, 0.1])
+        >>> move = ps.tool_move(robot, path, ps.paths.at_speed(path, speed=0.25, acceleration=1.0))
+        >>> rates = ps.paths.tool_rates(robot, move)
+        >>> round(rates.peak("speed")[0], 9), rates.peak("jerk")
+        (0.25, (inf, 0.0))
+        """
+        order = _QUANTITIES[checked_choice("quantity", quantity, tuple(_QUANTITIES))][1]
+        steps = self.trajectory.unbounded(order)
+        if not np.isnan(steps).all():
+            return np.inf, float(np.nanmin(steps))
+        extrema = self.square(quantity).extrema()
+        return float(np.sqrt(extrema.max[0])), float(extrema.t_max[0])
+
+    def checks(
+        self,
+        *,
+        speed: float | None = None,
+        acceleration: float | None = None,
+        jerk: float | None = None,
+        angular_speed: float | None = None,
+        source: str = "",
+    ) -> tuple[LimitCheck, ...]:
+        """The peaks held against limits, such as 0.25 m/s of a cell that is guided by hand.
+
+        Parameters
+        ----------
+        speed, acceleration, jerk, angular_speed : float, optional
+            Largest values allowed, positive: m/s, m/s^2, m/s^3, rad/s.
+        source : str
+            Where they come from.
+
+        Returns
+        -------
+        tuple of LimitCheck
+            One for each limit given, of the "joint" tool.
+
+        Raises
+        ------
+        InputError
+            For a limit that is not positive, or none at all.
+        """
+        limits = {"speed": speed, "acceleration": acceleration, "jerk": jerk, "angular speed": angular_speed}
+        given = {name: limit for name, limit in limits.items() if limit is not None}
+        if not given:
+            raise InputError("checks: give a limit of speed, acceleration, jerk or angular_speed")
+        return tuple(self._check(name, limit, source) for name, limit in given.items())
+
+    def _check(self, quantity: str, limit: float, source: str) -> LimitCheck:
+        unit = _QUANTITIES[quantity][2]
+        allowed = checked_number(quantity.replace(" ", "_"), limit, unit=unit, above=0.0)
+        demand, time = self.peak(quantity)
+        return LimitCheck.of_magnitude(
+            joint="tool", quantity=quantity, demand=demand, limit=allowed, unit=unit, time=time, source=source
+        )
+
+
+def tool_rates(robot: Robot, trajectory: Trajectory) -> ToolRates:
+    """Speed, acceleration, jerk and angular speed of the tool along any trajectory, as series.
+
+    Parameters
+    ----------
+    robot : Robot
+    trajectory : Trajectory
+
+    Returns
+    -------
+    ToolRates
+
+    Raises
+    ------
+    InputError
+        For a trajectory of another number of joints.
+    """
+    n = robot.n_joints
+    if trajectory.n_joints != n:
+        raise InputError(f"trajectory: {trajectory.n_joints} joints, {robot.name} has {n}")
+
+    def moved(state: Array) -> Array:
+        q, *rates = (state[:, k * n : (k + 1) * n].T for k in range(4))
+        _, linear, angular = tool_derivatives(robot, q, rates)
+        return np.concatenate([*linear, angular[0]]).T
+
+    return ToolRates(trajectory=trajectory, vectors=trajectory.state.mapped(moved))

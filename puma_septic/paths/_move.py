@@ -65,7 +65,6 @@ def tool_move(
     >>> float(abs(there - path.frames(path.length)).max().round(9))
     0.0
     """
-    _checked_law(path, law)
     return timed(follow(robot, path, branch=branch, start=start, constrain=constrain), law)
 
 

@@ -45,20 +45,20 @@ class Follower:
         """With the rank of general postures, which a start may lie apart from."""
         rng = np.random.default_rng(0)
         q = rng.uniform(-1.0, 1.0, (4, robot.n_joints))
-        matrices = jacobian(robot, q)[:, :conditions][:, :, chain_to(robot).columns]
+        matrices = jacobian(robot, q)[:, :conditions][:, :, np.unique(chain_to(robot).columns)]
         sizes = np.linalg.svd(matrices, compute_uv=False)
         return cls(robot=robot, conditions=conditions, rank=int((sizes > _RANK * sizes.max()).sum(axis=1).max()))
 
     @property
     def is_redundant(self) -> bool:
         """Whether the arm has joints to spare for the conditions."""
-        return len(chain_to(self.robot).columns) > self.rank
+        return len(np.unique(chain_to(self.robot).columns)) > self.rank
 
     def inverse(self, q: Array) -> tuple[Array, Array]:
         """Least-norm, least-squares inverses of the Jacobian, (n, n_joints, conditions), and its singular value that
         matters, (n,): the smallest, at least its order of magnitude; zero where there is no inverse.
         """
-        columns = chain_to(self.robot).columns
+        columns = np.unique(chain_to(self.robot).columns)
         matrix = jacobian(self.robot, q)[:, : self.conditions][:, :, columns]
         result = np.zeros((len(q), q.shape[1], self.conditions))
         if matrix.shape[1] == matrix.shape[2] == self.rank:

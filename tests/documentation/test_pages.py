@@ -64,7 +64,9 @@ def folder(tmp_path: Path, puma: ps.Robot, monkeypatch: pytest.MonkeyPatch) -> P
     example_files(tmp_path, SHELF)
     shelf = (tmp_path / "shelf.yaml").read_text(encoding="utf-8")
     (tmp_path / "cell.yaml").write_text(shelf.replace("mass: 2.0", "mass: 0.5"), encoding="utf-8")
-    (tmp_path / "arm.urdf").write_text(ARM.replace('"tip"', '"tool0"'), encoding="utf-8")
+    # Strong enough for the 5 kg that a page gives it.
+    strong = ARM.replace('effort="50"', 'effort="200"').replace('effort="20"', 'effort="100"')
+    (tmp_path / "arm.urdf").write_text(strong.replace('"tip"', '"tool0"'), encoding="utf-8")
     (tmp_path / "arm.toml").write_text(KNOWN, encoding="utf-8")
     (tmp_path / "packages").mkdir()
     (tmp_path / "plans").mkdir()

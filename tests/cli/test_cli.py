@@ -319,6 +319,7 @@ def test_ik_needs_a_pose(joints: str, capsys: pytest.CaptureFixture[str]) -> Non
 # ---- paper
 
 
+@pytest.mark.slow
 def test_paper_prints_and_writes_its_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """--out once ended in exit code 70: what it loads late had moved, and no type checker saw it."""
     assert main(["paper", "--format", "json", "--out", str(tmp_path / "out")]) == 0
@@ -528,6 +529,7 @@ def test_debug_changes_nothing_of_bad_input(capsys: pytest.CaptureFixture[str]) 
     assert_bad_input(["assess", "none.yaml", "--debug"], "this task file does not exist", capsys)
 
 
+@pytest.mark.slow
 def test_a_result_that_cannot_be_written_is_no_verdict() -> None:
     """A full disk and a closed output once were tracebacks with exit code 1; a closed stderr hides only the reason."""
     shell = f"{sys.executable} -m puma_septic.cli assess"

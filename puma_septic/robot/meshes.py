@@ -18,7 +18,10 @@ from puma_septic.errors import ModelError
 from puma_septic.robot._mesh_files import Folders, found_mesh, own_folders
 from puma_septic.robot.urdf_checks import Urdf
 
-__all__ = ["Geometry", "confined_geometry"]
+__all__ = ["Geometry", "confined_geometry", "is_drawn"]
+
+# What a message calls a shape that is there for contact alone.
+_CONTACT = "collision shape"
 
 _PROBE = '<robot name="p"><link name="l"><visual><geometry>{mesh}</geometry></visual></link></robot>'
 # Lines of coal's message beside the reason.
@@ -58,7 +61,7 @@ def confined_geometry(urdf: Urdf, package_dirs: Sequence[str | Path]) -> tuple[G
     the tree.
     """
     folders = own_folders(urdf.text.path, package_dirs)
-    missing = []
+    missing: dict[tuple[str, str], str] = {}
     for name, link in urdf.links.items():
         for shape in [*link.findall("visual"), *link.findall("collision")]:
             mesh = shape.find("geometry/mesh")
@@ -67,10 +70,16 @@ def confined_geometry(urdf: Urdf, package_dirs: Sequence[str | Path]) -> tuple[G
             path, why = found_mesh(mesh.get("filename", ""), folders)
             if path is None:
                 link.remove(shape)
-                missing.append(f"link {name!r}: {mesh.get('filename')} {why}")
+                owner = f"link {name!r}" if shape.tag == "visual" else f"{_CONTACT} of link {name!r}"
+                missing.setdefault((name, mesh.get("filename", "")), f"{owner}: {mesh.get('filename')} {why}")
             else:
                 mesh.set("filename", str(path))
-    return Geometry(urdf=urdf.xml(("visual", "collision")), folders=folders), tuple(dict.fromkeys(missing))
+    return Geometry(urdf=urdf.xml(("visual", "collision")), folders=folders), tuple(missing.values())
+
+
+def is_drawn(left_out: str) -> bool:
+    """Whether a shape that was left out would have been drawn; those for contact alone would not."""
+    return not left_out.startswith(_CONTACT)
 
 
 @lru_cache(maxsize=4)

@@ -19,7 +19,7 @@ from puma_septic.friction import Friction
 from puma_septic.quantities import QUANTITIES
 from puma_septic.robot._actuator import Actuator
 from puma_septic.robot._mimic import Mimic
-from puma_septic.robot.meshes import Geometry
+from puma_septic.robot.meshes import Geometry, is_drawn
 from puma_septic.robot.values import Limits, Payload, Wrench
 from puma_septic.validation import Array, checked_array, checked_choice, read_only
 from puma_septic.views import robot as view
@@ -193,7 +193,8 @@ class Robot:
     @property
     def undrawn(self) -> tuple[str, ...]:
         """Link, mesh and reason of every visual shape that is not drawn; reads the meshes, as `visual_model` does."""
-        return (*self.missing_meshes, *self.geometry.unreadable(self.bare_model, pin.GeometryType.VISUAL))
+        missing = filter(is_drawn, self.missing_meshes)
+        return (*missing, *self.geometry.unreadable(self.bare_model, pin.GeometryType.VISUAL))
 
     @property
     def collision_model(self) -> pin.GeometryModel:

@@ -86,15 +86,24 @@ class Urdf:
         for name, link in self.links.items():
             ET.SubElement(tree, "link", name=name).extend(part for part in link if part.tag in link_parts)
         for joint in self.joints.values():
-            element = ET.SubElement(tree, "joint", name=called.get(joint.name, joint.name), type=joint.kind)
+            kind = self._read_kind(joint)
+            element = ET.SubElement(tree, "joint", name=called.get(joint.name, joint.name), type=kind)
             element.extend(part for part in joint.element if part.tag in ("origin", "parent", "child", "axis"))
-            if joint.kind not in ("fixed", "continuous"):
+            if kind not in ("fixed", "continuous"):
                 element.append(ET.Element("limit", _ANY))
             if joint.name in self.mimics:
                 mimic = self.mimics[joint.name]
                 numbers = {"multiplier": repr(mimic.multiplier), "offset": repr(mimic.offset)}
                 ET.SubElement(element, "mimic", {"joint": called.get(mimic.master, mimic.master), **numbers})
         return ET.tostring(tree, encoding="unicode")
+
+    def _read_kind(self, joint: UrdfJoint) -> str:
+        """How Pinocchio reads a joint: one that turns with another it wants to be continuous where that is."""
+        master = self.mimics.get(joint.name)
+        rotates = ("revolute", "continuous")
+        if master is None or joint.kind not in rotates or self.joints[master.master].kind not in rotates:
+            return joint.kind
+        return self.joints[master.master].kind
 
     def visited(self) -> list[str]:
         """Joints in an order in which Pinocchio can read them."""

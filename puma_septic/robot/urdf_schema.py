@@ -53,7 +53,6 @@ ATTRIBUTES: Final[Mapping[str, Mapping[str, int]]] = {
     "texture": {"filename": 0},
 }  # fmt: skip
 REQUIRED_ATTRIBUTES: Final[Mapping[str, tuple[str, ...]]] = {
-    "robot": ("name",),
     "link": ("name",),
     "joint": ("name", "type"),
     "mass": ("value",),
@@ -122,6 +121,9 @@ def check_schema(text: UrdfText) -> dict[ET.Element, list[Finding]]:
         hint = "this is an SDF file, not a URDF" if root.tag == "sdf" else "the root of a URDF is <robot>"
         return {root: [text.fault(root, hint)]}
     own = [*_attributes(text, root, None)]
+    if "name" not in root.attrib and not _is_misspelt(root, "name"):
+        root.set("name", text.path.stem)
+        own.append(Finding(text=text.at(root, f"attribute 'name' is missing; called {text.path.stem!r}"), kind="note"))
     if root.get("version", "1.0") not in VERSIONS:
         own.append(text.fault(root, f"version={root.get('version')!r} is not supported; valid: {', '.join(VERSIONS)}"))
     known = CHILDREN["robot"]

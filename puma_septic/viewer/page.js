@@ -105,7 +105,7 @@
   if (!flags.length) make("li", byId("flags"), "no violated limit, no singular posture");
   for (const missing of new Set(data.motions.flatMap((motion) => motion.missing))) {
     byId("notes-box").hidden = false;
-    make("li", byId("notes"), "mesh not found, not drawn: " + missing);
+    make("li", byId("notes"), "not drawn: " + missing);
   }
 
   // ---- the clock

@@ -88,6 +88,25 @@ def test_torque_and_tool_are_those_of_the_coupled_model(
     assert mass_matrix(robot, q[None])[0] @ a + bias == pytest.approx(torque, rel=1e-11, abs=1e-11)
 
 
+@pytest.mark.parametrize("kinds", ["continuous revolute", "revolute continuous", "continuous continuous",
+                                   "prismatic revolute", "revolute prismatic"])  # fmt: skip
+def test_joints_of_any_kind_follow_each_other(tmp_path: Path, kinds: str) -> None:
+    """Pinocchio refuses a revolute joint that mimics a continuous one, and the other way round."""
+    master, follower = kinds.split()
+    text = (
+        chain("base", "l1", "l2", "l3")
+        + joint("j1", master, "base", "l1", [0, 0, 0.3], [0, 0.6, 0.8])
+        + mimicking(joint("j2", follower, "l1", "l2", [0, 0, 0.3], [0, 1, 0]), "j1", multiplier=-0.5, offset=0.2)
+        + joint("j3", "revolute", "l2", "l3", [0, 0, 0.3], [0, 1, 0])
+    )
+    robot = load(tmp_path, "mixed", text)
+    q, v, a = np.random.default_rng(0).uniform(-1, 1, (3, 2))
+    torque, tool = projected(robot, text.replace("continuous", "revolute"), q, v, a)
+    assert ps.inverse_dynamics(robot, q, v, a) == pytest.approx(torque, rel=1e-12, abs=1e-12)
+    assert ps.forward_kinematics(robot, q) == pytest.approx(tool, abs=1e-14)
+    assert robot.is_continuous.tolist() == [master == "continuous", False]
+
+
 @pytest.mark.parametrize("text", [parallelogram(), in_the_chain()])
 def test_many_samples_are_computed_as_one(tmp_path: Path, text: str) -> None:
     """Of mimicking joints Pinocchio's crba adds to the matrix that a Data object holds from the call before."""

@@ -73,7 +73,6 @@ ACCEPTED_WRONG = {
 
 # Pinocchio refuses these, with one sentence for all causes and the reason on the C library's standard error.
 REFUSED_WITHOUT_REASON = {
-    "no robot name": ('<robot name="arm">', "<robot>", "line 2, <robot>: attribute 'name' is missing"),
     "version": ('<robot name="arm">', '<robot name="arm" version="2.0">', "version='2.0' is not supported"),
     "truncated": ("</robot>", "", "line 17, column 0: not well-formed XML: no element found"),
     "trailing": ("</robot>", "</robot>x", "not well-formed XML: junk after document element"),
@@ -393,6 +392,13 @@ def test_a_declared_encoding_is_read(tmp_path: Path, encoding: str) -> None:
 def test_what_stands_before_the_declaration_is_named(tmp_path: Path) -> None:
     with pytest.raises(ps.ModelError, match=r"remove what stands before <\?xml"):
         load(tmp_path, "\n" + ARM)
+
+
+def test_a_robot_without_a_name_is_called_as_its_file(tmp_path: Path) -> None:
+    """Pinocchio refuses it; no number depends on the name."""
+    robot = load(tmp_path, replaced(' name="arm"', ""))
+    assert robot.name == "arm"
+    assert any("<robot>: attribute 'name' is missing; called 'arm'" in note for note in robot.notes)
 
 
 def test_a_byte_order_mark_is_no_fault(tmp_path: Path) -> None:

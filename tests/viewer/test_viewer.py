@@ -362,9 +362,11 @@ def test_notebook_frame_is_closed_off(puma: ps.Robot) -> None:
 
 def test_missing_meshes_are_named(tmp_path: Path) -> None:
     robot = load(tmp_path, arm("package://unknown/fore.stl"), tool="tip")
-    assert page_data(ps.replay_html(small_move(robot)))["motions"][0]["missing"] == [
-        "link 'fore': package://unknown/fore.stl"
-    ]
+    (missing,) = page_data(ps.replay_html(small_move(robot)))["motions"][0]["missing"]
+    assert missing.startswith("link 'fore': package://unknown/fore.stl package 'unknown' was not found; package_dirs=")
+    contact = load(tmp_path, arm("package://unknown/fore.stl", "collision"), tool="tip")
+    assert contact.missing_meshes[0].startswith("collision shape of link 'fore': package://unknown/fore.stl")
+    assert page_data(ps.replay_html(small_move(contact)))["motions"][0]["missing"] == []
 
 
 def test_a_texture_leaks_nothing_into_the_page(tmp_path: Path) -> None:
@@ -381,15 +383,18 @@ def test_a_texture_leaks_nothing_into_the_page(tmp_path: Path) -> None:
     for form in (canary, base64.b64encode(canary).rstrip(b"="), b"texture.png", b"init_from>"):
         assert form not in content.replace(unpacked(html, "viewer"), b"")
     dae(home / "fore.dae", "../secret.png")
-    with pytest.raises(ps.ModelError, match=r"its texture '\.\./secret\.png' lies outside the robot's folders"):
-        ps.replay_html(small_move(load(home, arm("fore.dae"), tool="tip")))
+    html = ps.replay_html(small_move(load(home, arm("fore.dae"), tool="tip")))
+    (missing,) = page_data(html)["motions"][0]["missing"]
+    assert "takes its texture '../secret.png' from outside the robot's folders" in missing
+    assert canary not in html.encode() + unpacked(html, "scene")
 
 
-def test_a_broken_mesh_is_an_error_that_names_it(tmp_path: Path) -> None:
+def test_a_broken_mesh_is_left_out_and_named(tmp_path: Path) -> None:
+    """One unreadable mesh once stopped the whole replay."""
     stl(tmp_path / "fore.stl", [[0.0, 0, 0], [np.nan, 0, 0], [0, 1.0, 0]])
     robot = load(tmp_path, arm("fore.stl"), tool="tip")
-    with pytest.raises(ps.ModelError, match=r"fore\.stl"):
-        ps.replay_html(small_move(robot))
+    (missing,) = page_data(ps.replay_html(small_move(robot)))["motions"][0]["missing"]
+    assert missing.endswith("fore.stl has a non-finite vertex")
 
 
 @pytest.mark.parametrize("name", ["none/replay.html", "taken", "file.txt/replay.html", "long" * 100])

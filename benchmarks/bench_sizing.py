@@ -12,7 +12,7 @@ import numpy as np
 import puma_septic as ps
 from puma_septic.limit_check import LimitCheck
 from puma_septic.paper import PAPER
-from puma_septic.sizing.checks import assess_joint
+from puma_septic.sizing._checks import assess_joint
 
 MOTORS, GEARBOXES, KEEP = 500, 200, 3
 # Pairs per joint that are assessed in full for comparison.

@@ -9,7 +9,7 @@ import pytest
 import puma_septic as ps
 from puma_septic.limit_check import LimitCheck
 from puma_septic.quantities import MAGNITUDES, MOTION, QUANTITIES, typeset
-from puma_septic.task.schema import LimitsSection
+from puma_septic.task._schema import LimitsSection
 
 
 def test_each_quantity_is_a_limit_of_robots_and_tasks() -> None:

@@ -22,7 +22,7 @@ from puma_septic.files import sha256_of, write_new
 from puma_septic.kinematics._chain import _axis
 from puma_septic.ros import read_joint_state
 from puma_septic.testing import assert_trajectory_ok
-from puma_septic.viewer import server
+from puma_septic.viewer import _server as server
 
 ROBOT = ps.load_robot()
 MOTOR = ps.Motor(name="M", rotor_inertia=1e-4, peak_torque=1.0, continuous_torque=0.5, max_speed=400.0)

@@ -22,8 +22,8 @@ from puma_septic.drives import (
 from puma_septic.errors import InputError
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.report import new_folder, to_json
+from puma_septic.report.csv import checks_csv, load_profile_csv, pairs_csv
 from puma_septic.report.folder import file_names
-from puma_septic.report.sheets import checks_csv, load_profile_csv, pairs_csv
 from puma_septic.robot import load_drivetrains, own_drivetrains
 from puma_septic.sizing import Selection, Sizing, size
 from puma_septic.task import ResolvedTask, resolve_task

@@ -10,10 +10,10 @@ import numpy as np
 
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.objectives import Candidate, interval_extremes
+from puma_septic.optimisation._constraints import Excess
+from puma_septic.optimisation._problem import Setting
+from puma_septic.optimisation._search import COARSE, KEPT, Problem
 from puma_septic.optimisation._torque_cuts import least_duration
-from puma_septic.optimisation.constraints import Excess
-from puma_septic.optimisation.problems import Setting
-from puma_septic.optimisation.searching import COARSE, KEPT, Problem
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array
 

@@ -21,7 +21,7 @@ from puma_septic.errors import InputError, NoSolution
 from puma_septic.friction import friction_terms
 from puma_septic.motion import Motion
 from puma_septic.objectives import Candidate
-from puma_septic.optimisation.searching import KEPT
+from puma_septic.optimisation._search import KEPT
 from puma_septic.validation import Array
 
 __all__ = ["TorqueCuts", "least_duration", "torque_cuts"]

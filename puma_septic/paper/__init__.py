@@ -3,11 +3,11 @@
 Raji, Asaolu and Akano, Joint Space Robot Arm Trajectory Planning Using Septic Function.
 """
 
-from puma_septic.paper.claim import VERDICTS, Claim
-from puma_septic.paper.durations import LeastDuration
-from puma_septic.paper.evidence import ComputingTimes, Evidence
-from puma_septic.paper.inputs import PAPER, PaperInputs
-from puma_septic.paper.report import PaperReport, reproduce
+from puma_septic.paper._claim import VERDICTS, Claim
+from puma_septic.paper._durations import LeastDuration
+from puma_septic.paper._evidence import ComputingTimes, Evidence
+from puma_septic.paper._inputs import PAPER, PaperInputs
+from puma_septic.paper._report import PaperReport, reproduce
 
 __all__ = [
     "PAPER",

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.piecewise.function import Piecewise
+from puma_septic.piecewise._piecewise import Piecewise
 from puma_septic.validation import Array
 
 __all__ = ["REST_TIME", "STILL", "find_directions"]

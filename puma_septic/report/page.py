@@ -21,8 +21,8 @@ from puma_septic.pictures import (
     samples_of,
     utilisation_picture,
 )
-from puma_septic.report.cases import Case, Reported, case_of, task_case
-from puma_septic.report.rendering import render
+from puma_septic.report._rendering import render
+from puma_septic.report._sections import Case, Reported, case_of, task_case
 from puma_septic.task import ResolvedTask
 from puma_septic.viewer import replay_html
 from puma_septic.views import assessment as assessment_view

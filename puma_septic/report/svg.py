@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Final
 
 from puma_septic.pictures import Entry, Picture
-from puma_septic.report.charts import SIZE, Chart
-from puma_septic.report.rendering import render
+from puma_septic.report._charts import SIZE, Chart
+from puma_septic.report._rendering import render
 
 __all__ = ["picture_svg", "write_svg"]
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from puma_septic.drives import Drive, Drivetrain, Gearbox, Motor
 from puma_septic.errors import InputError, ModelError
-from puma_septic.robot.model import Robot
-from puma_septic.robot.toml_text import read_toml, table
+from puma_septic.robot._model import Robot
+from puma_septic.robot._toml_text import read_toml, table
 
 __all__ = ["load_drivetrains", "own_drivetrains"]
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection
 from typing import Final
 
-from puma_septic.robot.urdf_checks import Urdf
+from puma_septic.robot._urdf_checks import Urdf
 
 __all__ = ["chosen_tool"]
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from puma_septic.drives import Drivetrain, Gearbox, Motor
 from puma_septic.friction import Friction
-from puma_septic.robot.urdf_checks import Urdf
-from puma_septic.robot.urdf_schema import NUMBER
+from puma_septic.robot._urdf_checks import Urdf
+from puma_septic.robot._urdf_schema import NUMBER
 
 __all__ = ["urdf_drivetrains"]
 

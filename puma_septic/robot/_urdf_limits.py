@@ -8,9 +8,9 @@ from typing import Final
 
 import numpy as np
 
-from puma_septic.robot.urdf_checks import Urdf
-from puma_septic.robot.urdf_text import Finding
-from puma_septic.robot.values import Limits
+from puma_septic.robot._components import Limits
+from puma_septic.robot._urdf_checks import Urdf
+from puma_septic.robot._urdf_text import Finding
 from puma_septic.validation import Array
 
 __all__ = ["SOFT", "position_range", "urdf_limits"]

@@ -1,15 +1,15 @@
 """Motors and gearboxes checked against a duty cycle: strong enough, and by how much."""
 
-from puma_septic.sizing.asking import size
-from puma_septic.sizing.choosing import Selection
-from puma_septic.sizing.coupling import select_consistent, with_drive_masses
-from puma_septic.sizing.demands import Demands, Peak
-from puma_septic.sizing.gearbox import allowed_momentary_peaks, average_torque
-from puma_septic.sizing.loads import JointLoad, MotorLoad, joint_load, motor_load
-from puma_septic.sizing.ratios import LoadMoments, RatioWindow, accelerating_factor, load_moments, ratio_window
-from puma_septic.sizing.result import MotorLoadProfile, Sizing
-from puma_septic.sizing.selection import Candidate, JointSelection
-from puma_septic.sizing.thermal import overload_time
+from puma_septic.sizing._demands import Demands, Peak
+from puma_septic.sizing._drive_masses import select_consistent, with_drive_masses
+from puma_septic.sizing._gearbox import allowed_momentary_peaks, average_torque
+from puma_septic.sizing._joint_selection import Candidate, JointSelection
+from puma_septic.sizing._loads import JointLoad, MotorLoad, joint_load, motor_load
+from puma_septic.sizing._ratios import LoadMoments, RatioWindow, accelerating_factor, load_moments, ratio_window
+from puma_septic.sizing._result import MotorLoadProfile, Sizing
+from puma_septic.sizing._selection import Selection
+from puma_septic.sizing._size import size
+from puma_septic.sizing._thermal import overload_time
 
 __all__ = [
     "Candidate",

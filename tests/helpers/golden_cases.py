@@ -12,8 +12,8 @@ from helpers.report_text import report_text
 from puma_septic.cli._task_text import assessed_text
 from puma_septic.comparison import Comparison
 from puma_septic.report import assess_document, metrics_csv, to_json
+from puma_septic.report.csv import checks_csv
 from puma_septic.report.page import tasks_html
-from puma_septic.report.sheets import checks_csv
 from puma_septic.sizing import Sizing
 from puma_septic.task import ResolvedTask, assess_task, load_task, make_task, resolve_task
 

@@ -15,8 +15,8 @@ from puma_septic import profiles
 from puma_septic.limit_check import AT_LIMIT
 from puma_septic.objectives import OBJECTIVES, Candidate
 from puma_septic.optimisation import ParetoFront
-from puma_septic.optimisation.structure import SQUARES, best_free_values, gradient_by_times
-from puma_septic.optimisation.variables import MakeTrajectory, checked_variables
+from puma_septic.optimisation._analytic import SQUARES, best_free_values, gradient_by_times
+from puma_septic.optimisation._variables import MakeTrajectory, checked_variables
 from puma_septic.validation import Array
 
 

@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Browser, Frame, Page, expect
 
 import puma_septic as ps
-from puma_septic.report.charts import BOX
+from puma_septic.report._charts import BOX
 from puma_septic.report.page import tasks_html
 from puma_septic.task import assess_task, load_task, resolve_task
 

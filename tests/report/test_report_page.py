@@ -23,8 +23,8 @@ from puma_septic.assessment import Assessment
 from puma_septic.errors import ModelError
 from puma_septic.pictures import Curve, Panel, assessment_pictures, chart, profile_line
 from puma_septic.report import page
-from puma_septic.report.cases import reason
-from puma_septic.report.charts import BOX, Chart, ticks
+from puma_septic.report._charts import BOX, Chart, ticks
+from puma_septic.report._sections import reason
 from puma_septic.report.svg import picture_svg
 from puma_septic.task import ResolvedTask, load_task, make_task, resolve_task
 from puma_septic.views import profiles

@@ -13,7 +13,7 @@ from helpers.places import DOCS, ROBOTS
 import puma_septic as ps
 from puma_septic.dynamics import rigid_torque
 from puma_septic.robot import Mimic, named_robots
-from puma_septic.robot.model import Robot
+from puma_septic.robot._model import Robot
 from puma_septic.validation import Array
 
 FILES = sorted(ROBOTS.rglob("*.urdf"))

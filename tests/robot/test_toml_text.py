@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from puma_septic.errors import ModelError
-from puma_septic.robot.toml_text import read_toml, table
+from puma_septic.robot._toml_text import read_toml, table
 
 
 def read(folder: Path, text: str) -> dict:

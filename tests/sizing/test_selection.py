@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 import puma_septic as ps
 from puma_septic.drives import Pair
 from puma_septic.limit_check import LimitCheck
-from puma_septic.sizing.checks import utilisation_bounds
-from puma_septic.sizing.grids import load_grid
-from puma_septic.sizing.pairs import pair_table
-from puma_septic.sizing.selection import RANKS, select_joint
+from puma_septic.sizing._checks import utilisation_bounds
+from puma_septic.sizing._joint_selection import RANKS, select_joint
+from puma_septic.sizing._load_features import load_grid
+from puma_septic.sizing._pair_features import pair_table
 
 # What sums in another order may differ by.
 ROUNDING = 1e-12

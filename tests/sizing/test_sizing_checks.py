@@ -10,7 +10,7 @@ import pytest
 import puma_septic as ps
 from puma_septic.limit_check import LimitCheck
 from puma_septic.piecewise import Piecewise
-from puma_septic.sizing.checks import DRIVE_LIMITS, DriveLimit, NotAssessed, assess_joint
+from puma_septic.sizing._checks import DRIVE_LIMITS, DriveLimit, NotAssessed, assess_joint
 
 # One second each of a = 2 rad/s^2, of v = 2 rad/s, of a = -2 rad/s^2, and of rest. The load moves 3 kg m^2 against
 # 4 N m (10, 4, -2, 0 N m at the joint), so the motor drives, drives, brakes and rests. Ratio 10, forward 0.8, backward

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 import puma_septic as ps
 from puma_septic.piecewise import Piecewise
-from puma_septic.sizing.curves import torque_at_speed
+from puma_septic.sizing._torque_speed import torque_at_speed
 
 # Series are fitted to 1e-11 of each joint's largest torque; the rest is room.
 EXACT = 1e-9

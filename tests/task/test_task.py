@@ -18,9 +18,9 @@ from hypothesis import strategies as st
 import puma_septic as ps
 from puma_septic.cli._task_text import branches_text
 from puma_septic.kinematics import inverse_kinematics
-from puma_septic.report.cases import reason
+from puma_septic.report._sections import reason
 from puma_septic.task import ResolvedTask, assess_task, load_task, make_task, parse_task, resolve_task, task_names
-from puma_septic.task.branches import Posed, branches_through
+from puma_septic.task._branches import Posed, branches_through
 
 TURN = 2 * np.pi
 

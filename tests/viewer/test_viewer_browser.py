@@ -12,8 +12,8 @@ from PIL import Image
 from playwright.sync_api import Browser, Page
 
 import puma_septic as ps
-from puma_septic.viewer.animation import ANGLE_ERROR, key_times, utilisation
-from puma_septic.viewer.colours import UTILISATION, colour_at
+from puma_septic.viewer._animation import ANGLE_ERROR, key_times, utilisation
+from puma_septic.viewer._colours import UTILISATION, colour_at
 
 pytestmark = pytest.mark.browser
 

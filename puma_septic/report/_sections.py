@@ -1,0 +1,194 @@
+"""What a report is made of: assessments, and what is said before them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, final
+
+from markupsafe import Markup
+
+from puma_septic.assessment import Assessment, assess
+from puma_septic.comparison import Comparison
+from puma_septic.errors import InputError
+from puma_septic.motion import Motion
+from puma_septic.paper import PaperReport
+from puma_septic.pictures import Picture
+from puma_septic.pictures.comparison import comparison_picture
+from puma_septic.pictures.sizing import sizing_pictures
+from puma_septic.report._documents import profile_labels
+from puma_septic.sizing import Sizing
+from puma_septic.task import ResolvedTask
+from puma_septic.views import profiles as view
+from puma_septic.views.tables import html_table
+
+__all__ = ["Case", "Reported", "case_of", "reason", "task_case"]
+
+Reported = Assessment | Sequence[Assessment] | Comparison | Sizing | PaperReport
+# More curves than colours in one chart are told apart by nobody.
+_MOST_DRAWN: Final = 6
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Case:
+    """One section of a report.
+
+    Attributes
+    ----------
+    title : str
+    assessments : tuple of Assessment
+        What is drawn and tabled, at least one.
+    labels : list of str
+        Their names.
+    is_feasible : bool
+    sentence, reason : str
+        The verdict, and why it cannot be otherwise, if that is known.
+    preface : Markup
+        What stands between the verdict and the rest.
+    pictures : tuple of Picture
+        Of a comparison or sizing, after the preface.
+    resolved : ResolvedTask or None
+        The task, where there is one.
+    """
+
+    title: str
+    assessments: tuple[Assessment, ...]
+    labels: list[str]
+    is_feasible: bool
+    sentence: str
+    reason: str = ""
+    preface: Markup = Markup("")  # noqa: RUF009 - a constant text
+    pictures: tuple[Picture, ...] = ()
+    resolved: ResolvedTask | None = None
+
+    @property
+    def word(self) -> str:
+        """The verdict in one word."""
+        if any(one.undecided for one in self.assessments):
+            return "undecided"
+        return "feasible" if self.is_feasible else "infeasible"
+
+
+def case_of(what: Reported, title: str | None) -> Case:
+    """The section of a value; its robot's name is the title where none is given.
+
+    Raises
+    ------
+    InputError
+        For anything else, and for assessments of different arms.
+    """
+    if isinstance(what, Comparison):
+        return _comparison_case(what, title)
+    if isinstance(what, Sizing):
+        return _sizing_case(what, title)
+    if isinstance(what, PaperReport):
+        return _paper_case(what, title)
+    group = (what,) if isinstance(what, Assessment) else tuple(what)
+    if not group or not all(isinstance(one, Assessment) for one in group):
+        raise InputError(f"a report is made of one assessment or a sequence of them, got {what!r}")
+    names = {one.motion.robot.joint_names for one in group}
+    if len(names) > 1:
+        raise InputError(f"a report is of one arm; got joints {' and '.join(', '.join(one) for one in sorted(names))}")
+    return _plain_case(group, title)
+
+
+def task_case(resolved: ResolvedTask, assessments: Sequence[Assessment]) -> Case:
+    """The section of an assessed task."""
+    labels = profile_labels(assessments)
+    return Case(
+        title=resolved.task.name,
+        assessments=tuple(assessments),
+        labels=labels,
+        is_feasible=all(one.is_feasible for one in assessments),
+        sentence=_sentence(assessments, labels),
+        reason=reason(resolved),
+        resolved=resolved,
+    )
+
+
+def reason(resolved: ResolvedTask) -> str:
+    """Why no profile is feasible, where the points themselves break limits in every branch; else empty."""
+    always = resolved.broken_in_all_branches
+    if not always:
+        return ""
+    points: dict[str, list[str]] = {}
+    for joint, point in always:
+        points.setdefault(joint, []).append(point)
+    where = ", ".join(f"{joint} at {' and '.join(names)}" for joint, names in points.items())
+    count = len(resolved.branches)
+    if not resolved.is_complete:
+        return f"Every way found ({resolved.extent}) violates the position limit of {where}; there may be others."
+    branches = f"All {count} branches of the inverse kinematics violate" if count > 1 else "The points violate"
+    return f"{branches} the position limit of {where}: no profile through these points can be feasible."
+
+
+def _sentence(assessments: Sequence[Assessment], labels: Sequence[str]) -> str:
+    return view.sentence([one.to_dict() for one in assessments], labels)
+
+
+def _plain_case(group: tuple[Assessment, ...], title: str | None, preface: str = "") -> Case:
+    labels = profile_labels(group)
+    return Case(
+        title=_titled(group, title),
+        assessments=group,
+        labels=labels,
+        is_feasible=all(one.is_feasible for one in group),
+        sentence=_sentence(group, labels),
+        preface=Markup(preface),
+    )
+
+
+def _comparison_case(comparison: Comparison, title: str | None) -> Case:
+    """All profiles in the tables; as many as there are colours are drawn, first the Pareto-optimal ones."""
+    rows = comparison.profiles
+    best = [row for row in rows if row.name in comparison.pareto_optimal]
+    drawn = [*best, *(row for row in rows if row not in best)][:_MOST_DRAWN]
+    note = ""
+    if len(drawn) < len(rows):
+        note = f"<p>Drawn below, of {len(rows)}: the Pareto-optimal ones first, at most {_MOST_DRAWN}.</p>"
+    every = [row.assessment for row in rows]
+    return Case(
+        title=_titled(every, title),
+        assessments=tuple(row.assessment for row in drawn),
+        labels=[row.name for row in drawn],
+        is_feasible=any(one.is_feasible for one in every),
+        sentence=_sentence(every, [row.name for row in rows]),
+        preface=_boxed(comparison._repr_html_() + note),
+        pictures=(comparison_picture(comparison),),
+    )
+
+
+def _sizing_case(sizing: Sizing, title: str | None) -> Case:
+    group = tuple(assess(step) for step in sizing.cycle.steps if isinstance(step, Motion))
+    return Case(
+        title=_titled(group, title),
+        assessments=group,
+        labels=profile_labels(group),
+        is_feasible=sizing.is_feasible,
+        sentence=f"The drives are {sizing.verdict}.",
+        preface=_boxed(
+            f"{sizing._repr_html_()}<p>Below the charts of the drives are the motions of the cycle, checked against the"
+            " robot's limits.</p>"
+        ),
+        pictures=sizing_pictures(sizing),
+    )
+
+
+def _paper_case(report: PaperReport, title: str | None) -> Case:
+    group = (report.evidence.septic, report.evidence.lspb, report.evidence.quintic)
+    rows = [
+        [f"{claim.number}", f"{claim.text} ({claim.source})", claim.verdict, claim.explanation]
+        for claim in report.claims
+    ]
+    claims = html_table(["", "claim", "verdict", "why"], rows, caption="The paper's claims, judged")
+    return _plain_case(group, "The paper's claims" if title is None else title, _boxed(claims))
+
+
+def _boxed(html: str) -> Markup:
+    """Wide tables scroll in a box of their own. What values show of themselves is escaped already."""
+    return Markup('<div class="preface">{}</div>').format(Markup(html))
+
+
+def _titled(group: Sequence[Assessment], title: str | None) -> str:
+    return group[0].motion.robot.name if title is None else title

@@ -1,0 +1,349 @@
+"""What many drive trains at once ask for, between a lower and an upper bound."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, final
+
+import numpy as np
+
+from puma_septic.sizing._gearbox import expected_life
+from puma_septic.sizing._load_features import LoadGrid
+from puma_septic.sizing._pair_features import PairTable
+from puma_septic.validation import Array
+
+__all__ = ["Bounds", "PairDemands", "utilisation"]
+
+# Lower and upper bound of a demand, or of a utilisation, each of shape (n_pairs,); NaN: not assessed.
+Bounds = tuple[Array, Array]
+
+# What sums in another order may differ by.
+_ROUNDING: Final = 1e-9
+# Pairs at a time: their torques at all instants stay within a few megabytes.
+_BLOCK: Final = 2048
+# Instants at which torque is checked against a curve over speed, for the lower bound.
+_CURVE_INSTANTS: Final = 96
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PairDemands:
+    """`Demands` of many drive trains at once, each between a lower and an upper bound, and limits, by the same names.
+
+    Computed when first asked for and kept (the cache needs a ``__dict__``, hence no slots).
+
+    Attributes
+    ----------
+    grid : LoadGrid
+    table : PairTable
+    """
+
+    grid: LoadGrid
+    table: PairTable
+
+    def limit(self, part: str, name: str) -> Array:
+        """A value of each pair's motor, gearbox or drive.
+
+        Returns
+        -------
+        ndarray, shape (n_pairs,)
+        """
+        return np.asarray(getattr(self.table, part)(name))
+
+    @cached_property
+    def _torque_and_power(self) -> tuple[Bounds, Bounds]:
+        return _peaks(self.grid, self.table)
+
+    @property
+    def peak_torque(self) -> Bounds:
+        """Of the motor."""
+        return self._torque_and_power[0]
+
+    @property
+    def peak_power(self) -> Bounds:
+        """Mechanical, of the motor."""
+        return self._torque_and_power[1]
+
+    @property
+    def peak_effort(self) -> Bounds:
+        """Of the motor, referred to the joint."""
+        return _times(self.peak_torque, self.table.ratio)
+
+    @property
+    def max_effort(self) -> Array:
+        """Limit of `peak_effort`."""
+        return self.table.max_effort
+
+    @cached_property
+    def rms_torque(self) -> Bounds:
+        """Of the motor."""
+        return _rms(self.grid, self.table.coefficients)
+
+    @property
+    def continuous_torque(self) -> Array:
+        """Limit of `rms_torque`."""
+        return _continuous_torque(self.table, self.table.ratio * self.grid.mean_speed)
+
+    @property
+    def torque_at_speed(self) -> Bounds:
+        """As a share of the curve."""
+        return _torque_at_speed(self.grid, self.table, self.peak_torque[1], self._top_speed)
+
+    @property
+    def torque_at_speed_limit(self) -> Array:
+        """All of the curve."""
+        return np.ones(len(self.table.ratio))
+
+    @property
+    def peak_voltage(self) -> Bounds:
+        """At the motor's terminals."""
+        return _voltage(self.grid, self.table)
+
+    @property
+    def _top_speed(self) -> Array:
+        return self.table.ratio * self.grid.moments.peak_speed
+
+    @property
+    def peak_speed(self) -> Bounds:
+        """Of the motor."""
+        return _exact(self._top_speed)
+
+    @property
+    def mean_speed(self) -> Bounds:
+        """Of the motor."""
+        return _exact(self.table.ratio * self.grid.mean_speed)
+
+    @property
+    def peak_temperature_rise(self) -> Bounds:
+        """Of the winding."""
+        return _temperature_rise(self.grid, self.table, self.rms_torque[1])
+
+    @property
+    def max_temperature_rise(self) -> Array:
+        """Limit of `peak_temperature_rise`."""
+        return np.maximum(self.table.motor("max_winding_celsius") - self.table.place.ambient_celsius, 0.0)
+
+    @property
+    def peak_current(self) -> Bounds:
+        """Of the motor."""
+        return _times(self.peak_torque, 1 / self.table.motor("torque_constant"))
+
+    @property
+    def rms_current(self) -> Bounds:
+        """Of the motor."""
+        return _times(self.rms_torque, 1 / self.table.motor("torque_constant"))
+
+    @cached_property
+    def _electric(self) -> dict[str, Bounds]:
+        return _electric(self.grid, self.table, self.rms_torque[1], self.peak_torque, self.peak_power)
+
+    @property
+    def peak_drawn_power(self) -> Bounds:
+        """Electric."""
+        return self._electric["peak drawn"]
+
+    @property
+    def mean_drawn_power(self) -> Bounds:
+        """Electric."""
+        return self._electric["mean drawn"]
+
+    @property
+    def peak_returned_power(self) -> Bounds:
+        """Electric."""
+        return self._electric["peak returned"]
+
+    @property
+    def stored_energy(self) -> Bounds:
+        """On the bus."""
+        return self._electric["stored"]
+
+    @property
+    def mean_braked_power(self) -> Bounds:
+        """In the brake resistor."""
+        return self._electric["mean braked"]
+
+    def _same(self, demand: float) -> Bounds:
+        """One number for all pairs."""
+        return _exact(np.full(len(self.table.ratio), demand))
+
+    @property
+    def average_load_torque(self) -> Bounds:
+        """At the gearbox's output."""
+        return self._same(self.grid.average_torque)
+
+    @property
+    def peak_load_torque(self) -> Bounds:
+        """At the gearbox's output."""
+        return self._same(self.grid.peak_torque)
+
+    @property
+    def momentary_torque(self) -> Bounds:
+        """At the gearbox's output."""
+        return self._same(self.table.place.momentary_torque)
+
+    @property
+    def required_life_hours(self) -> Bounds:
+        """Of the gearbox."""
+        return self._same(self.table.place.required_life_hours)
+
+    @property
+    def expected_life_hours(self) -> Array:
+        """Of the gearbox."""
+        return _life(self.grid, self.table)
+
+
+def _exact(demand: Array) -> Bounds:
+    return demand * (1 - _ROUNDING), demand * (1 + _ROUNDING)
+
+
+def _rms(grid: LoadGrid, coefficients: Array) -> Bounds:
+    """Root of the quadratic form, with the rounding of its terms, which may cancel."""
+    square = np.einsum("pi,pi->p", coefficients @ grid.gram, coefficients)
+    rounding = 1e-13 * np.einsum("pi,pi->p", np.abs(coefficients) @ np.abs(grid.gram), np.abs(coefficients))
+    low, high = np.sqrt(np.maximum(square - rounding, 0.0)), np.sqrt(np.maximum(square, 0.0) + rounding)
+    return low * (1 - _ROUNDING), high * (1 + _ROUNDING)
+
+
+def _times(bounds: Bounds, factor: Array) -> Bounds:
+    return bounds[0] * factor, bounds[1] * factor
+
+
+def utilisation(demand: Bounds, limit: Array, table: PairTable) -> Bounds:
+    """Demand over limit; a limit of zero is always too small, and what is not known not assessed.
+
+    Of pairs whose torque is no sum of the features nothing is known before they are assessed in full.
+
+    Returns
+    -------
+    Bounds
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        low, high = (np.where(limit == 0, np.inf, one / limit) for one in demand)
+    low, high = np.where(table.is_linear, low, 0.0), np.where(table.is_linear, high, np.inf)
+    unknown = np.isnan(limit) | np.isnan(demand[0])
+    return np.where(unknown, np.nan, low), np.where(unknown, np.nan, high)
+
+
+def _peaks(grid: LoadGrid, table: PairTable) -> tuple[Bounds, Bounds]:
+    """Largest torque and largest mechanical power."""
+    n, slack = table.ratio, _slack(grid, table)
+    torque = _largest(table.coefficients, grid.torque_rows)
+    power = _largest(table.coefficients, grid.power_rows * grid.power_speeds[:, None]) * n
+    return (torque * (1 - _ROUNDING), torque * grid.excess + slack), (
+        power * (1 - _ROUNDING), power * grid.excess + slack * n * grid.moments.peak_speed
+    )  # fmt: skip
+
+
+def _slack(grid: LoadGrid, table: PairTable) -> Array:
+    """What the remainder of the load's torque is at the motor at most."""
+    return np.asarray(table.coefficients[:, 1:4].max(axis=1) * grid.remainder)
+
+
+def _largest(coefficients: Array, rows: Array) -> Array:
+    """Largest magnitude among the instants, for each pair."""
+    largest = np.empty(len(coefficients))
+    for start in range(0, len(coefficients), _BLOCK):
+        values = coefficients[start : start + _BLOCK] @ rows.T
+        largest[start : start + _BLOCK] = np.maximum(values.max(axis=1), -values.min(axis=1))
+    return largest
+
+
+def _voltage(grid: LoadGrid, table: PairTable) -> Bounds:
+    """Also a sum of the features, with more velocity in it."""
+    k_t, resistance = table.motor("torque_constant"), table.motor("resistance")
+    coefficients = table.coefficients * (resistance / k_t)[:, None]
+    coefficients[:, 4] += k_t * table.ratio
+    known = ~np.isnan(coefficients).any(axis=1)
+    largest = np.full(len(coefficients), np.nan)
+    largest[known] = _largest(coefficients[known], grid.torque_rows)
+    return largest * (1 - _ROUNDING), largest * grid.excess + _slack(grid, table) * resistance / k_t
+
+
+def _continuous_torque(table: PairTable, mean_speed: Array) -> Array:
+    """Of the S1 curve where there is one."""
+    limit = table.motor("continuous_torque")
+    for motor, rows in table.by_motor():
+        speeds, torques = motor.continuous_curve.T
+        if len(speeds):
+            limit[rows] = np.interp(mean_speed[rows], speeds, torques, right=0.0)
+    return limit
+
+
+def _torque_at_speed(grid: LoadGrid, table: PairTable, highest: Array, top_speed: Array) -> Bounds:
+    """From below at some instants; from above by the curve's least torque up to the highest speed."""
+    low, high = np.full((2, len(top_speed)), np.nan)
+    rows = np.vstack([grid.torque_rows, grid.power_rows])
+    rows = rows[:: -(-len(rows) // _CURVE_INSTANTS)]
+    for motor, own in table.by_motor():
+        curve = motor.peak_curve
+        if not len(curve):
+            continue
+        end = curve[-1, 0]
+        speeds = np.minimum(np.abs(rows[:, 4]) * table.ratio[own, None], end)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios = np.abs(table.coefficients[own] @ rows.T) / np.interp(speeds, *curve.T)
+            least = np.minimum.accumulate(curve[:, 1])[np.searchsorted(curve[:, 0], top_speed[own], side="right") - 1]
+            above = highest[own] / np.minimum(least, np.interp(top_speed[own], *curve.T))
+        low[own] = np.nan_to_num(ratios, nan=0.0, posinf=np.inf).max(axis=1) * (1 - _ROUNDING)
+        low[own[top_speed[own] > end * (1 + _ROUNDING)]] = np.inf
+        high[own] = np.where(top_speed[own] > end * (1 - _ROUNDING), np.inf, np.nan_to_num(above, nan=np.inf))
+    return low, high
+
+
+def _temperature_rise(grid: LoadGrid, table: PairTable, rms: Array) -> Bounds:
+    """Temperature rise of the winding: at least its mean without the growth of the resistance.
+
+    At most that mean and the heat of one whole cycle in the winding alone (which is never colder than the
+    housing), both with the growth at the peak itself, ``peak <= K (1 + copper (excess + peak))``.
+    """
+    share, total = np.full((2, len(rms)), np.nan)
+    for motor, rows in table.by_motor():
+        if len(motor.thermal_resistances) and not grid.load.why_not_periodic:
+            capacity = motor.thermal_time_constants[0] / motor.thermal_resistances[0]
+            total[rows] = motor.thermal_resistances.sum()
+            share[rows] = total[rows] + grid.load.duration / capacity
+    loss = rms**2 * table.motor("resistance") / table.motor("torque_constant") ** 2
+    copper, ambient = table.motor("copper_coefficient"), table.place.ambient_celsius
+    growth = 1 + copper * (ambient - table.motor("reference_celsius"))
+    feedback = 1 - copper * share * loss * (1 + _ROUNDING)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        high = np.where(feedback > 0, share * loss * growth * (1 + _ROUNDING) / feedback, np.inf)
+    return total * loss * growth * (1 - 10 * _ROUNDING), high
+
+
+def _electric(grid: LoadGrid, table: PairTable, rms: Array, peak: Bounds, power: Bounds) -> dict[str, Bounds]:
+    """Power and energy at the terminals: mechanical power and copper loss, each bounded by itself."""
+    n, c = table.ratio, table.coefficients
+    heat = table.motor("resistance") / table.motor("torque_constant") ** 2
+    net = n * (c @ grid.with_velocity) + heat * rms**2
+    unknown, gone = np.where(np.isnan(heat), np.nan, 0.0), heat * rms**2
+    rubbing = n * (c[:, 4] * grid.gram[4, 4] + c[:, 5] * grid.gram[5, 4] + c[:, 6] * grid.gram[6, 4])
+    drawn = n * (c[:, 0] * grid.driving[0] + c[:, 1] * grid.driving[1]) + rubbing + gone
+    back = n * (c[:, 0] * grid.driven[0] + c[:, 3] * grid.driven[1]) * (1 + _ROUNDING) + unknown
+    runs_full = (net <= 10 * _ROUNDING * drawn) & (not grid.load.why_not_periodic)
+    cycle = grid.load.duration
+    stored = np.where(runs_full, np.inf, back * cycle) + unknown
+    return {
+        "peak drawn": (unknown, power[1] + heat * peak[1] ** 2),
+        "mean drawn": (np.maximum(net - 10 * _ROUNDING * drawn, 0.0), drawn * (1 + _ROUNDING)),
+        "peak returned": (unknown, power[1] + unknown),
+        "stored": (unknown, stored),
+        "mean braked": (unknown, back),
+    }
+
+
+def _life(grid: LoadGrid, table: PairTable) -> Array:
+    """Expected life, h; it depends on the gearbox alone."""
+    torque = grid.average_torque if grid.load.moves else 0.0
+    lives = [
+        expected_life(
+            gearbox.rated_life_hours,
+            rated_torque=gearbox.rated_torque,
+            rated_speed=gearbox.rated_speed,
+            average_torque=torque,
+            average_speed=abs(gearbox.ratio) * grid.mean_speed,
+        )
+        for gearbox in table.catalogue.gearboxes
+    ]
+    return np.array(lives)[table.catalogue.gearbox_index]

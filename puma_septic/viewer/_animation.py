@@ -1,0 +1,96 @@
+"""Key frames: when, where each joint is, and how much of its torque limit is used."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+import pinocchio as pin
+from meshcat.animation import Animation, AnimationClip, AnimationTrack
+from meshcat.path import Path
+
+from puma_septic.motion import Motion
+from puma_septic.validation import Array
+from puma_septic.viewer._colours import UTILISATION, colour_at
+
+__all__ = ["ANGLE_ERROR", "add_colours", "add_joints", "joint_paths", "key_times", "utilisation"]
+
+# Between key frames the viewer turns each joint at a constant rate; that is off by at most a h^2 / 8. One
+# ten-thousandth of a radian is 0.1 mm at 1 m, less than a pixel of any view of the whole arm.
+ANGLE_ERROR: Final = 1e-4
+# A picture is not drawn more often than 60 times a second, nor are colours smooth below 30; and a bound on the file.
+_LONGEST_STEP: Final = 1 / 30
+_MOST_KEYS: Final = 3000
+# Below this a joint has not moved, in m and in components of a unit quaternion.
+_STILL: Final = 1e-9
+
+
+def key_times(motion: Motion) -> Array:
+    """Instants of the key frames in s: the breaks of trajectory and torque, and between them as many as it takes.
+
+    Of more breaks than key frames can be, as a recorded motion has, evenly spaced instants instead.
+    """
+    trajectory = motion.trajectory
+    fastest = max(float(trajectory.extrema(2).peak.max()), np.finfo(float).tiny)
+    step = min(_LONGEST_STEP, float(np.sqrt(8 * ANGLE_ERROR / fastest)))
+    step = max(step, trajectory.duration / _MOST_KEYS)
+    breaks = np.union1d(trajectory.breaks, motion.torque.breaks)
+    if len(breaks) > _MOST_KEYS:  # of a recorded motion, in which nothing happens at most of them
+        return np.linspace(breaks[0], breaks[-1], _MOST_KEYS)
+    counts = np.ceil(np.diff(breaks) / step).astype(int)
+    spans = zip(breaks[:-1], breaks[1:], counts, strict=True)
+    inner = [np.linspace(start, stop, count, endpoint=False) for start, stop, count in spans]
+    return np.append(np.concatenate(inner), breaks[-1])
+
+
+def utilisation(motion: Motion, times: Array) -> Array:
+    """Magnitude of the torque over its limit, shape (n, n_joints); NaN where either is not known."""
+    used = np.abs(motion.torque(times)) / motion.robot.limits.effort
+    return np.where(motion.robot.knows_torque, used, np.nan)
+
+
+def joint_paths(model: pin.Model, root: str) -> list[str]:
+    """Where each joint of the model hangs in the scene's tree: on the joint that carries it."""
+    paths = [root]
+    for k in range(1, model.njoints):
+        paths.append(f"{paths[model.parents[k]]}/joint{k}")
+    return paths
+
+
+def add_joints(animation: Animation, root: str, motion: Motion, times: Array, start: float) -> None:
+    """Write each joint's motion relative to the joint that carries it, so that links never come apart.
+
+    Parameters
+    ----------
+    start : float
+        Time of the scene at its zero, s.
+    """
+    robot = motion.robot
+    model, data = robot.model, robot.model.createData()
+    paths = joint_paths(model, root)
+    translation = np.empty((model.njoints, len(times), 3))
+    quaternion = np.empty((model.njoints, len(times), 4))
+    for n, q in enumerate(robot.configurations(motion.trajectory(times))):
+        pin.forwardKinematics(model, data, q)
+        for k in range(1, model.njoints):
+            translation[k, n] = data.liMi[k].translation
+            quaternion[k, n] = pin.Quaternion(data.liMi[k].rotation).coeffs()
+    for k in range(1, model.njoints):
+        tracks = [("position", "vector3", translation[k]), ("quaternion", "quaternion", quaternion[k])]
+        _add(animation, paths[k], times - start, [track for track in tracks if np.ptp(track[2], axis=0).max() > _STILL])
+
+
+def add_colours(animation: Animation, path: str, used: Array, times: Array, start: float) -> None:
+    """Colour one shape by the utilisation of the joint that moves it, shape (n,); not at all where that is unknown."""
+    if not np.isnan(used).any():
+        track = ("material.color", "color", colour_at(UTILISATION, used))
+        _add(animation, f"{path}/<object>", times - start, [track])
+
+
+def _add(animation: Animation, path: str, seconds: Array, tracks: list[tuple[str, str, Array]]) -> None:
+    """One clip for one object; at one frame a second its frame numbers are seconds."""
+    made: dict[str, Any] = {
+        name: AnimationTrack(name, kind, seconds.tolist(), values.tolist()) for name, kind, values in tracks
+    }
+    if made:
+        animation.clips[Path().append(path)] = AnimationClip(tracks=made, fps=1)

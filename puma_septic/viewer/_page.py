@@ -1,0 +1,120 @@
+"""The page: viewer, scene and data in one HTML file that asks nobody for anything."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import json
+import re
+import struct
+from collections.abc import Sequence
+from functools import cache
+from html import escape
+from importlib.resources import files
+from typing import Any, Final
+
+import numpy as np
+
+from puma_septic.validation import Array
+from puma_septic.viewer._colours import SPEED, UTILISATION, as_hex, profile_colour
+from puma_septic.viewer._flags import Flag
+from puma_septic.viewer._scene import Shown, scene_commands
+
+__all__ = ["page_html"]
+
+# Digits behind the point of what the page only writes or draws: s and m to a tenth of a millimetre, parts of a limit.
+_DIGITS: Final = 4
+# The camera sees 20 degrees to each side: a ball fits in from 1 / sin(20 deg) = 2.92 radii; and it looks down a little.
+_EYE_DISTANCE: Final = 2.95
+_EYE_HEIGHT: Final = 0.4
+
+
+def page_html(group: Sequence[Shown], title: str) -> str:
+    """One page that shows the motions; it opens from disk, and its policy forbids it any request."""
+    parts = {
+        "TITLE": escape(title),
+        "CSS": _text("page.css"),
+        "JS": _text("page.js"),
+        "DATA": _script_json(_page_data(group, title)),
+        "VIEWER": _viewer(),
+        "SCENE": _packed(b"".join(struct.pack("<I", len(one)) + one for one in scene_commands(group))),
+    }
+    return re.sub("@([A-Z]+)@", lambda match: parts[match[1]], _text("page.html"))
+
+
+def _text(name: str) -> str:
+    return files("puma_septic.viewer").joinpath(name).read_text(encoding="utf-8")
+
+
+@cache
+def _viewer() -> str:
+    """Meshcat's viewer as its package brings it, with three.js inside."""
+    return _packed(files("meshcat").joinpath("viewer/dist/main.min.js").read_bytes())
+
+
+def _packed(content: bytes) -> str:
+    return base64.b64encode(gzip.compress(content, 9, mtime=0)).decode("ascii")
+
+
+def _script_json(value: Any) -> str:
+    """JSON that cannot end the script element that holds it, whatever a joint is called."""
+    text = json.dumps(value, allow_nan=False, separators=(",", ":"), ensure_ascii=True)
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def _page_data(group: Sequence[Shown], title: str) -> dict[str, Any]:
+    places = np.vstack([part for one in group for part in (one.path, one.elbows)])
+    middle = (places.min(axis=0) + places.max(axis=0)) / 2
+    radius = max(0.15, float(np.linalg.norm(places - middle, axis=1).max()))
+    return {
+        "title": title,
+        "start": min(float(one.times[0]) for one in group),
+        "end": max(float(one.times[-1]) for one in group),
+        "target": middle.tolist(),
+        "eye": (middle + _EYE_DISTANCE * radius * _eye_direction(group[0].path)).tolist(),
+        "utilisation_colours": [as_hex(stop) for stop in UTILISATION],
+        "speed_colours": [as_hex(stop) for stop in SPEED],
+        "fastest": max(float(one.speed.max()) for one in group),
+        "motions": [_motion_data(one, k) for k, one in enumerate(group)],
+    }
+
+
+def _eye_direction(path: Array) -> Array:
+    """Across the direction in which the tool goes furthest, from the side of the base on which it is."""
+    level = path[:, :2] - path[:, :2].mean(axis=0)
+    across = np.linalg.eigh(level.T @ level)[1][:, 0]
+    across = across if across @ path[:, :2].mean(axis=0) >= 0 else -across
+    # Turned a little, so that nothing is seen exactly edge on.
+    turn = np.array([[np.cos(0.35), -np.sin(0.35)], [np.sin(0.35), np.cos(0.35)]])
+    direction = np.append(turn @ across, _EYE_HEIGHT)
+    return np.asarray(direction / np.linalg.norm(direction))
+
+
+def _motion_data(one: Shown, k: int) -> dict[str, Any]:
+    motion = one.assessment.motion
+    robot, trajectory = motion.robot, motion.trajectory
+    payload = robot.payload
+    return {
+        "label": one.label,
+        "robot": robot.name,
+        "tool": robot.tool,
+        "verdict": one.assessment.verdict,
+        "feasible": one.assessment.is_feasible,
+        "colour": as_hex(profile_colour(k)),
+        "joints": list(robot.joint_names),
+        "times": _rounded(one.times),
+        "used": [_rounded(column) if np.isfinite(column).all() else None for column in one.used.T],
+        "speed": _rounded(one.speed),
+        "vias": [[float(time), *place] for time, place in zip(trajectory.marked[0], one.vias.tolist(), strict=True)],
+        "flags": [_flag_data(flag) for flag in one.flags],
+        "payload": f"{payload.mass:g} kg" if payload is not None and payload.mass > 0 else "",
+        "missing": list(robot.undrawn),
+    }
+
+
+def _flag_data(flag: Flag) -> dict[str, Any]:
+    return {"kind": flag.kind, "time": flag.time, "text": flag.text, "spans": [list(span) for span in flag.spans]}
+
+
+def _rounded(values: Array) -> list[float]:
+    return [round(value, _DIGITS) for value in values.tolist()]

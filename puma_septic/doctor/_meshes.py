@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from puma_septic.doctor._bodies import bodies
 from puma_septic.doctor._finding import Finding
@@ -61,6 +60,8 @@ def _hull_volumes(robot: Robot) -> dict[str, float]:
 
 
 def _hull_volume(points: Any) -> float:
+    from scipy.spatial import ConvexHull, QhullError  # takes a fifth of a second, which no assessment needs
+
     try:
         return float(ConvexHull(np.asarray(points)).volume)
     except QhullError:  # flat, or fewer than four points

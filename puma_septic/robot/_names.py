@@ -10,7 +10,7 @@ from typing import Final
 
 import pinocchio as pin
 
-from puma_septic.errors import InputError
+from puma_septic.errors import InputError, did_you_mean
 
 __all__ = ["BUILT_IN", "is_robot_path", "named_robots", "robot_file"]
 
@@ -55,7 +55,10 @@ def robot_file(source: str | Path) -> Path:
         return names[source]
     if _exists(path):
         return path
-    raise InputError(f"unknown robot {source!r}; valid: {', '.join(map(repr, names))}, or the path of a .urdf file")
+    meant = did_you_mean([source], names)
+    raise InputError(
+        f"unknown robot {source!r}; valid: {', '.join(map(repr, names))}, or the path of a .urdf file{meant}"
+    )
 
 
 def is_robot_path(source: str) -> bool:

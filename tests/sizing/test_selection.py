@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import puma_septic as ps
 from puma_septic.drives import Pair
 from puma_septic.limit_check import LimitCheck
-from puma_septic.sizing._checks import utilisation_bounds
+from puma_septic.sizing._checks import assess_joint, utilisation_bounds
 from puma_septic.sizing._joint_selection import RANKS, select_joint
 from puma_septic.sizing._load_features import load_grid
 from puma_septic.sizing._pair_features import pair_table
@@ -118,7 +118,7 @@ def catalogues(draw: st.DrawFn) -> ps.Catalogue:
 def in_full(one: ps.sizing.JointLoad, train: ps.Drivetrain) -> list[LimitCheck]:
     """The checks that can reject, by the code that sizes any drive train."""
     demands = ps.sizing.Demands(load=one, train=train, motor=ps.sizing.motor_load(one, train))
-    outcomes = ps.sizing.checks.assess_joint(demands)
+    outcomes = assess_joint(demands)
     return [o for o in outcomes if isinstance(o, LimitCheck) and o.kind != "rule of thumb"]
 
 

@@ -236,7 +236,7 @@ def _turns(robot: Robot, reach: Array, near: Array | None) -> Array | None:
     first = np.nan_to_num(np.ceil((low - _SLACK - least) / _TURN), nan=-np.inf)
     last = np.nan_to_num(np.floor((high + _SLACK - greatest) / _TURN), nan=np.inf)
     wanted = np.zeros(len(low)) if near is None else np.rint((near - reach[0]) / _TURN)
-    fixed = robot.is_prismatic | ~np.isin(np.arange(len(low)), chain_to(robot).columns)
+    fixed = robot.is_prismatic | ~np.isin(np.arange(len(low)), chain_to(robot).driving)
     first, last = np.where(fixed & (first <= 0), 0.0, first), np.where(fixed & (last >= 0), 0.0, last)
     if (first > last).any():
         return None

@@ -233,3 +233,14 @@ def test_a_follower_in_the_tools_chain_is_not_locked_alone(tmp_path: Path) -> No
 def test_what_is_no_text_for_locked(tmp_path: Path) -> None:
     with pytest.raises(ps.InputError, match="unknown text for locked 'all'; valid: 'others'"):
         load(tmp_path, "arm", parallelogram(), locked="all")
+
+
+def test_certified_bounds_refuse_what_they_do_not_know(tmp_path: Path) -> None:
+    """They take the torque to be affine in the sine and cosine of each joint, which a follower's motion breaks."""
+    robot = load(tmp_path, "arm", parallelogram())
+    with pytest.raises(
+        ps.InputError, match="holding torque does not know joints that mimic another one: 'lever', 'rod'"
+    ):
+        ps.worst_holding_torque(robot)
+    with pytest.raises(ps.InputError, match="bound of accelerations does not know joints that mimic another one"):
+        ps.acceleration_limits(robot)

@@ -110,7 +110,7 @@ def body_findings(robot: Robot) -> Iterator[Finding]:
     parts = bodies(robot)
     heavy = [body for body in parts if body.mass > 0]
     yield from _missing(robot, parts)
-    yield from _impossible(heavy)
+    yield from _impossible(robot, heavy)
     yield from _gyration(parts, heavy)
     yield from _alike(heavy)
     yield from _outliers(robot, heavy)
@@ -129,9 +129,12 @@ def _missing(robot: Robot, parts: Sequence[Body]) -> Iterator[Finding]:
         )
 
 
-def _impossible(heavy: Sequence[Body]) -> Iterator[Finding]:
-    """Negative moments, and moments above the sum of the other two; of the first body only what counts."""
-    wrong = []
+def _impossible(robot: Robot, heavy: Sequence[Body]) -> Iterator[Finding]:
+    """Negative moments, and moments above the sum of the other two; of the first body only what counts.
+
+    An inertia that is not used at all is known by the reason alone.
+    """
+    wrong = [(link, f"({why})") for link, why in robot.unusable_inertia.items()]
     for body in heavy:
         a, b, c = body.moments
         largest = max(abs(a), abs(c))

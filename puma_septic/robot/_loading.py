@@ -130,6 +130,7 @@ def load_robot(
         limits=own_limits,
         geometry=geometry,
         mimics=urdf.mimics,
+        unusable_inertia=urdf.unusable,
         missing_meshes=missing_meshes,
         notes=(*given.notes, *drive_notes, *urdf.notes, *massless_notes(model, urdf), *limit_notes, *chosen),
     )

@@ -59,6 +59,8 @@ class Robot:
     missing_inertia : tuple of str
         Joints whose torque is not known, because the URDF has no inertia at all for what they move, or one that no
         body can have.
+    unusable_inertia : mapping of str to str
+        Links whose inertia no body can have, and why.
     missing_meshes : tuple of str
         Link, mesh name and reason of each shape that is left out because its file cannot be used.
     mimics : mapping of str to Mimic
@@ -92,6 +94,7 @@ class Robot:
     limits: Limits
     geometry: Geometry
     missing_inertia: tuple[str, ...] = ()
+    unusable_inertia: Mapping[str, str] = field(default_factory=dict)
     missing_meshes: tuple[str, ...] = ()
     mimics: Mapping[str, Mimic] = field(default_factory=dict)
     tool_is_chosen: bool = False
@@ -111,7 +114,8 @@ class Robot:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "drivetrains", tuple(self.drivetrains))
-        object.__setattr__(self, "mimics", MappingProxyType(dict(self.mimics)))
+        for name in ("mimics", "unusable_inertia"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         self._check_consistent()
         joints = [self.bare_model.joints[self.bare_model.getJointId(name)] for name in self.joint_names]
         derived = {

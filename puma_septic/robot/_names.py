@@ -55,10 +55,8 @@ def robot_file(source: str | Path) -> Path:
         return names[source]
     if _exists(path):
         return path
-    meant = did_you_mean([source], names)
-    raise InputError(
-        f"unknown robot {source!r}; valid: {', '.join(map(repr, names))}, or the path of a .urdf file{meant}"
-    )
+    valid = f"{', '.join(map(repr, names))}, or the path of a .urdf file"
+    raise InputError(f"unknown robot {source!r}; valid: {valid}{did_you_mean([source], names)}")
 
 
 def is_robot_path(source: str) -> bool:

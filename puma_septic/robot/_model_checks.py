@@ -66,7 +66,8 @@ def unknown_torques(model: pin.Model, armature: Array, urdf: Urdf) -> tuple[tupl
         return urdf.moving, (note,)
     missing = tuple(name for name in urdf.moving if name in empty or name in carriers)
     told = ", ".join(map(repr, urdf.unusable))
-    notes = (f"torque not known of what carries {told}, whose inertia is not usable",) if carriers else ()
+    is_told = any(name in carriers for name in urdf.moving)
+    notes = (f"torque not known of what carries {told}, whose inertia is not usable",) if is_told else ()
     return missing, notes
 
 

@@ -34,7 +34,7 @@ def urdf_drivetrains(urdf: Urdf, moving: Sequence[str]) -> tuple[dict[str, Drive
     for name in moving:
         train = _train(urdf.joints[name].element.find("dynamics"), gears.get(name), urdf.text.path.name)
         trains[name] = train
-        if train.friction_at_joint is not None:
+        if train.friction_at_joint is not None or train.measured_friction is not None:
             used["friction"].append(name)
         if train.knows_inertia:
             used["rotor inertia"].append(name)
@@ -54,12 +54,17 @@ def _train(dynamics: ET.Element | None, gears: ET.Element | None, source: str) -
         for name in ("damping", "friction", "rotor_inertia", "armature")
     )
     ratio, motor_side = (nan, nan) if gears is None else (_ratio(gears), _drake(gears, "rotor_inertia"))
-    is_known = not (isnan(damping) and isnan(friction))
+    at_joint = armature if isnan(rotor) else rotor
+    law = Friction(viscous=damping, coulomb=np.array([friction, -friction]))
+    law_known = not (isnan(damping) and isnan(friction))
+    if isnan(ratio):
+        motor = Motor(rotor_inertia=motor_side, source=source if law_known or not isnan(motor_side) else "")
+        return Drivetrain(motor=motor, armature=at_joint, friction_at_joint=law if law_known else None)
+    # With a ratio all of it is the motor's, which sizing asks.
     return Drivetrain(
-        motor=Motor(rotor_inertia=motor_side, source=source if is_known or not isnan(motor_side) else ""),
-        gearbox=Gearbox(ratio=ratio, source="" if isnan(ratio) else source),
-        armature=armature if isnan(rotor) else rotor,
-        friction_at_joint=Friction(viscous=damping, coulomb=np.array([friction, -friction])) if is_known else None,
+        motor=Motor(rotor_inertia=at_joint / ratio**2 if isnan(motor_side) else motor_side, source=source),
+        gearbox=Gearbox(ratio=ratio, source=source),
+        measured_friction=law.reflected(1 / ratio) if law_known else None,
     )
 
 

@@ -229,6 +229,18 @@ def test_what_a_urdf_tells_of_its_drives(tmp_path: Path) -> None:
     assert added == pytest.approx([0.5 * 2.0 + 1.5 + 0.1 * 3.0, 0.0], abs=1e-13)  # rounding of 30 N m
 
 
+def test_with_a_gear_ratio_what_is_known_at_the_joint_is_the_motors(tmp_path: Path) -> None:
+    """Sizing asks the motor's side, where friction that is known at the joint alone would be left out."""
+    text = replaced("</robot>", TRANSMISSION.replace("elbow", "shoulder"), replaced("</joint>", DYNAMICS))
+    robot = load(tmp_path, text)
+    shoulder = robot.actuators[0]
+    assert (shoulder.gear_ratio, shoulder.rotor_inertia) == (50.0, pytest.approx(0.1 / 50**2, rel=1e-15))
+    assert shoulder.viscous_friction == pytest.approx(0.5 / 50**2, rel=1e-15)
+    assert shoulder.coulomb_friction.tolist() == pytest.approx([1.5 / 50, -1.5 / 50], rel=1e-15)
+    assert robot.armature[0] == pytest.approx(0.1, rel=1e-15)
+    assert robot.friction[0].coulomb.tolist() == pytest.approx([1.5, -1.5], rel=1e-15)
+
+
 def test_drakes_rotor_and_gears(tmp_path: Path) -> None:
     drake = TRANSMISSION.replace(
         "<mechanicalReduction>50</mechanicalReduction>",

@@ -28,7 +28,7 @@ def spelt(text: str) -> str:
     Examples
     --------
     >>> spelt("lock it: locked={'f': 0.0}, or locked='others'")
-    "lock it: --lock f=0.0, or --lock-others"
+    'lock it: --lock f=0.0, or --lock-others'
     """
     for pattern, option in _RULES:
         text = pattern.sub(option, text)

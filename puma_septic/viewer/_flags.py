@@ -53,20 +53,12 @@ def _spans(assessment: Assessment, check: LimitCheck) -> tuple[tuple[float, floa
     """While the joint's quantity is beyond its bounds: from the roots of their difference, not from a grid."""
     motion = assessment.motion
     j = motion.robot.joint_index(check.joint)
-    whole = motion.signal(check.quantity)
-    one = Piecewise(breaks=whole.breaks, coefficients=whole.coefficients[:, :, j : j + 1])
+    one = motion.signal(check.quantity)[j]
     low, high = motion.robot.limits.position[j] if check.is_range else (-check.limit, check.limit)
-    excesses = [sign * (one - _constant(one, bound)) for sign, bound in ((1, high), (-1, low)) if np.isfinite(bound)]
-    return tuple(sorted(span for excess in excesses for span in _positive(excess)))
-
-
-def _constant(like: Piecewise, value: float) -> Piecewise:
-    return Piecewise(breaks=like.breaks[[0, -1]], coefficients=np.full((1, 1, 1), value))
-
-
-def _positive(function: Piecewise) -> list[tuple[float, float]]:
-    """Stretches on which a function of one component is positive, neighbours joined."""
-    split = function.split(function.roots()[0])
-    above = split.signs()[:, 0] > 0
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], above, [False]]).astype(int)))
-    return [(float(split.breaks[a]), float(split.breaks[b])) for a, b in edges.reshape(-1, 2)]
+    excesses = [
+        sign * (one - Piecewise.constant([bound], one.duration, start=one.start))
+        for sign, bound in ((1, high), (-1, low))
+        if np.isfinite(bound)
+    ]
+    spans = [zip(*excess.positive_spans(), strict=True) for excess in excesses]
+    return tuple(sorted((float(start), float(end)) for found in spans for start, end in found))

@@ -24,7 +24,7 @@ from puma_septic.motion import Motion, compute_motion
 from puma_septic.report import new_folder, to_json
 from puma_septic.report.csv import checks_csv, load_profile_csv, pairs_csv
 from puma_septic.report.folder import file_names
-from puma_septic.robot import load_drivetrains, own_drivetrains
+from puma_septic.robot import load_drivetrains
 from puma_septic.sizing import Selection, Sizing, size
 from puma_septic.task import ResolvedTask, resolve_task
 
@@ -106,9 +106,8 @@ def _own_sizing(arguments: Namespace, cycle: Cycle) -> Sizing:
     if idle:
         raise InputError(f"{', '.join(idle)} goes with --catalogue: name the parts to choose from")
     robot = cycle.robot
-    bare = arguments.drives is None and robot.name != "puma560"
     try:
-        trains = own_drivetrains(robot) if bare else load_drivetrains(robot, arguments.drives)
+        trains = load_drivetrains(robot, arguments.drives)
     except InputError as error:
         raise InputError(f"{error}, or choose drives: --catalogue FILE") from error
     return size(cycle, drivetrains=trains)

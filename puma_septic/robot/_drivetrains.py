@@ -11,6 +11,7 @@ import numpy as np
 from puma_septic.drives import Drive, Drivetrain, Gearbox, Motor
 from puma_septic.errors import InputError, ModelError
 from puma_septic.robot._model import Robot
+from puma_septic.robot._names import data_folder
 from puma_septic.robot._toml_text import read_toml, table
 
 __all__ = ["load_drivetrains", "own_drivetrains"]
@@ -78,15 +79,15 @@ def load_drivetrains(robot: Robot, path: str | Path | None = None) -> tuple[Driv
     robot : Robot
     path : str or Path, optional
         TOML with tables ``[joints.NAME.motor]``, ``.gearbox`` and ``.drive``, whose keys are those of `Motor`,
-        `Gearbox` and `Drive` and whose values are tables ``{ value = ..., source = "..." }``. The built-in file of the
-        PUMA 560 by default.
+        `Gearbox` and `Drive` and whose values are tables ``{ value = ..., source = "..." }``. By default the file that
+        comes with a robot of this package; without one, what the robot itself tells.
 
     Raises
     ------
     ModelError
         For a file that is missing or malformed, with the joint and key.
     InputError
-        For a joint whose gear ratio is not known, or a robot that has no built-in file.
+        For a joint whose gear ratio is not known.
 
     Examples
     --------
@@ -94,7 +95,9 @@ def load_drivetrains(robot: Robot, path: str | Path | None = None) -> tuple[Driv
     >>> load_drivetrains(ps.load_robot())[1].motor.torque_constant
     0.228
     """
-    file = _built_in(robot) if path is None else Path(path)
+    file = data_folder() / f"{robot.name}_drives.toml" if path is None else Path(path)
+    if path is None and not file.is_file():
+        return own_drivetrains(robot)
     data = table(read_toml(file, "drives file"), str(file), ("schema", "robot", "joints"))
     schema = data.get("schema")
     if isinstance(schema, bool) or schema != 1 or data.get("robot") != robot.name:
@@ -106,16 +109,6 @@ def load_drivetrains(robot: Robot, path: str | Path | None = None) -> tuple[Driv
         _completed(train, joints.get(name, {}), f"{file}, joint {name!r}")
         for name, train in zip(robot.joint_names, own_drivetrains(robot), strict=True)
     )
-
-
-def _built_in(robot: Robot) -> Path:
-    """`urdf` lies inside the installed package, or beside it in the source tree."""
-    package = Path(__file__).resolve().parents[1]
-    folder = package / "urdf" if (package / "urdf").is_dir() else package.parent / "urdf"
-    file = folder / f"{robot.name}_drives.toml"
-    if not file.is_file():
-        raise InputError(f"robot {robot.name!r} has no built-in drives file; give a path, or use own_drivetrains")
-    return file
 
 
 def _completed(train: Drivetrain, parts: object, where: str) -> Drivetrain:

@@ -28,7 +28,7 @@ from puma_septic.robot._locking import (
 from puma_septic.robot._meshes import confined_geometry
 from puma_septic.robot._model import Robot
 from puma_septic.robot._model_checks import check_complete, massless_notes, unknown_torques
-from puma_septic.robot._names import BUILT_IN, robot_file
+from puma_septic.robot._names import own_file, robot_file
 from puma_septic.robot._tool import chosen_tool
 from puma_septic.robot._urdf_checks import Urdf, checked_urdf
 from puma_septic.robot._urdf_drives import urdf_drivetrains
@@ -156,12 +156,11 @@ def robot_files(source: str | Path = "puma560", *, actuators: str | Path | None 
 
 
 def _paths(source: str | Path, actuators: str | Path | None) -> tuple[Path, Path | None]:
-    """Files of a robot; the PUMA has an actuator file of its own."""
+    """Files of a robot; one of this package may have an actuator file of its own."""
     path = robot_file(source)
     if actuators is not None:
         return path, Path(actuators)
-    own = path.with_name(f"{path.stem}_actuators.toml")
-    return path, own if source == BUILT_IN else None
+    return path, own_file(path, "actuators")
 
 
 def _parameter_set(file: ActuatorFile | None, name: str | None, urdf: Urdf) -> ParameterSet:

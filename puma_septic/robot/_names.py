@@ -12,15 +12,14 @@ import pinocchio as pin
 
 from puma_septic.errors import InputError, did_you_mean
 
-__all__ = ["BUILT_IN", "is_robot_path", "named_robots", "robot_file"]
+__all__ = ["is_robot_path", "named_robots", "own_file", "robot_file"]
 
-BUILT_IN: Final = "puma560"
 _SUFFIXES: Final = (".urdf", ".xml", ".xacro")
 
 
 @cache
 def named_robots() -> dict[str, Path]:
-    """URDF of each robot that can be loaded by name.
+    """URDF of each robot that can be loaded by name: first those of this package, each ``urdf/NAME.urdf``.
 
     Those of example-robot-data are called by their file, without what all have (``ur5_robot.urdf``: ur5), or by their
     folder where files of several folders have one name. Of two files of one folder the larger has the name: the other
@@ -35,7 +34,8 @@ def named_robots() -> dict[str, Path]:
         files[path.parent, _short(path.stem)] = path
     counts = Counter(name for _, name in files)
     called = {name if counts[name] == 1 else _short(path.parents[1].name): path for (_, name), path in files.items()}
-    return {BUILT_IN: data_folder() / f"{BUILT_IN}.urdf", **dict(sorted(called.items()))}
+    own = {path.stem: path for path in sorted(data_folder().glob("*.urdf"))}
+    return {**own, **{name: path for name, path in sorted(called.items()) if name not in own}}
 
 
 def robot_file(source: str | Path) -> Path:
@@ -57,6 +57,12 @@ def robot_file(source: str | Path) -> Path:
         return path
     valid = f"{', '.join(map(repr, names))}, or the path of a .urdf file"
     raise InputError(f"unknown robot {source!r}; valid: {valid}{did_you_mean([source], names)}")
+
+
+def own_file(urdf: Path, kind: str) -> Path | None:
+    """The file ``NAME_kind.toml`` that lies beside the URDF of a robot of this package, if it has one."""
+    path = urdf.with_name(f"{urdf.stem}_{kind}.toml")
+    return path if urdf.parent == data_folder() and path.is_file() else None
 
 
 def is_robot_path(source: str) -> bool:

@@ -162,7 +162,7 @@ def test_the_puma_s_file_adds_published_values_with_their_source(puma: ps.Robot)
 def test_a_robot_without_gear_ratios_has_no_drives_to_tell_of(tmp_path: Path) -> None:
     with pytest.raises(ps.InputError, match="joint 'swing': its gear ratio is not known"):
         ps.own_drivetrains(pendulum(tmp_path))
-    with pytest.raises(ps.InputError, match="robot 'pendulum' has no built-in drives file"):
+    with pytest.raises(ps.InputError, match="joint 'swing': its gear ratio is not known"):
         ps.load_drivetrains(pendulum(tmp_path))
 
 

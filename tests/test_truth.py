@@ -1,6 +1,7 @@
 """The whole chain against independent computation: peaks, means and work of random moves of every family; no jumps.
 
-A few moves of each family run by default; 300 of each, and 10,000 changed inputs, with ``python -m pytest -m slow``.
+A few moves of each family run by default, 20 of each with ``python -m pytest -m slow``; 300 of each, and 10,000 changed
+inputs, with ``-m study``.
 """
 
 from __future__ import annotations
@@ -41,10 +42,12 @@ def test_random_moves_have_their_true_torque(puma: ps.Robot, family: str) -> Non
     assert_true(puma, random_move(family, np.random.default_rng([0, FAMILIES.index(family)])), "seed 0")
 
 
-@pytest.mark.slow
+@pytest.mark.parametrize(
+    "count", [pytest.param(20, marks=pytest.mark.slow), pytest.param(300, marks=pytest.mark.study)]
+)
 @pytest.mark.parametrize("family", FAMILIES)
-def test_300_random_moves_have_their_true_torque(puma: ps.Robot, family: str) -> None:
-    for seed in range(300):
+def test_many_random_moves_have_their_true_torque(puma: ps.Robot, family: str, count: int) -> None:
+    for seed in range(count):
         assert_true(puma, random_move(family, np.random.default_rng([seed, FAMILIES.index(family)])), f"seed {seed}")
 
 
@@ -105,7 +108,7 @@ def test_an_input_changed_by_1e_12_changes_nothing_that_is_told(puma: ps.Robot, 
         assert_no_jump(seed, puma)
 
 
-@pytest.mark.slow
+@pytest.mark.study
 @pytest.mark.parametrize("first", range(0, 10_400, 1040))
 def test_10_000_inputs_changed_by_1e_12_change_nothing_that_is_told(puma: ps.Robot, first: int) -> None:
     for seed in range(first, first + 1040):

@@ -104,6 +104,7 @@ LOAD = ps.Payload(mass=1.3, com=(0.02, -0.03, 0.08))
 TORQUE_NOISE = np.array([0.3, 0.3, 0.2, 0.02, 0.02, 0.02])
 
 
+@pytest.mark.slow
 def test_friction_and_payload_are_recovered_within_their_uncertainty(puma: ps.Robot) -> None:
     """The arm carries a load that nobody has told, and its friction is that of its file."""
     torque = ps.compute_motion(puma.with_payload(LOAD), EXCITING).torque

@@ -116,6 +116,7 @@ def refused_rightly(robot: ps.Robot, path: paths.Path, q: Array) -> bool:
     return bool(leaps or not found.exists[:, k].all() or not found.within_limits[:, k].all())
 
 
+@pytest.mark.slow
 def test_derivatives_against_fifty_digits() -> None:
     """Ten lines of the PUMA, two of them passing the shoulder's singularity at 1 mm: v and a to 1e-9, jerk to 1e-6."""
     robot, rng, lines = ps.load_robot(tool="wrist_center"), np.random.default_rng(11), []

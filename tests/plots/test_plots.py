@@ -60,6 +60,7 @@ def test_every_axis_says_its_unit(figures: dict[str, Figure]) -> None:
             assert all("[" in panel.get_ylabel() for panel in figure.axes), name
 
 
+@pytest.mark.slow
 def test_legends_lie_outside_all_panels(figures: dict[str, Figure]) -> None:
     for name, figure in figures.items():
         figure.draw_without_rendering()
@@ -97,6 +98,7 @@ def test_texts_of_a_panel_do_not_overlap(figures: dict[str, Figure]) -> None:
                 assert left.x1 < right.x0, name
 
 
+@pytest.mark.slow
 def test_a_notebook_displays_the_figure_900_pixels_wide(figures: dict[str, Figure]) -> None:
     for figure in figures.values():
         png = figure._repr_png_()

@@ -153,6 +153,7 @@ def test_selection_is_that_of_assessing_each_pair(
     assert_each_pair_is_judged_as_alone(catalogue, place, j, periodic)
 
 
+@pytest.mark.slow
 @settings(max_examples=10, deadline=None)
 @given(catalogue=measured(), place=places(), j=st.sampled_from([0, 1, 4]), periodic=st.booleans())
 def test_selection_of_measured_pairs_is_that_of_assessing_each(
@@ -294,6 +295,7 @@ def test_the_ratio_window_holds_what_is_chosen() -> None:
         assert bool(select_joint(load(1, True), again, 0, rank="mass", keep=1, places=None).kept) == fits
 
 
+@pytest.mark.slow
 def test_masses_load_the_joints_before() -> None:
     """One pass from the wrist: each joint's load is that of the arm with all drives chosen beyond it."""
     catalogue = ps.built_in_catalogue()

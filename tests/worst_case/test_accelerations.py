@@ -18,6 +18,7 @@ def puma(speed: float = 0.0) -> ps.AccelerationLimits:
     return ps.acceleration_limits(ps.load_robot(), speeds=speed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "payload", "scanned"),
     [("ur5", 0.0, 15.5), ("ur5", 5.0, 3.4), ("ur10", 0.0, 14.1), ("ur10", 10.0, 1.8)],

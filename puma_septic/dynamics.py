@@ -129,6 +129,10 @@ def torque_terms(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Torq
     """The torque of `inverse_dynamics`, split by cause.
 
     Parameters and errors are those of `inverse_dynamics`; each term has the shape of `q`.
+
+    Returns
+    -------
+    TorqueTerms[ndarray]
     """
     single, (q_, v_, a_) = _samples(robot, q, v, a)
     check_inertia(robot)

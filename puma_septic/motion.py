@@ -165,6 +165,10 @@ def compute_motion(robot: Robot, trajectory: Trajectory) -> Motion:
     trajectory : Trajectory
         With as many joints as the robot has, in the robot's order.
 
+    Returns
+    -------
+    Motion
+
     Raises
     ------
     InputError

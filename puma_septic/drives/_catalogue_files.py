@@ -64,6 +64,10 @@ def load_catalogue(motors: str | Path, gearboxes: str | Path, pairs: str | Path 
         stribeck_velocity, load_share (at the motor, through the gears), max_effort (at the joint). Without the file
         every motor fits every gearbox.
 
+    Returns
+    -------
+    Catalogue
+
     Raises
     ------
     InputError
@@ -98,6 +102,10 @@ def built_in_catalogue(name: str = "example") -> Catalogue:
     name : {"example", "puma560"}
         "example": invented parts, to try things out; nobody sells them. "puma560": the six drives of the PUMA 560 from
         published values, each motor with its own gears alone.
+
+    Returns
+    -------
+    Catalogue
 
     Examples
     --------

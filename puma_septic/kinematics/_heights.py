@@ -46,6 +46,10 @@ def lowest_points(robot: Robot, q: ArrayLike) -> LowestPoints:
     q : array_like, shape (n_joints,) or (n, n_joints)
         Joint positions in rad (m for prismatic joints).
 
+    Returns
+    -------
+    LowestPoints
+
     Raises
     ------
     InputError

@@ -95,6 +95,10 @@ def read_log(
     max_gap : float, optional
         Longest step of time that is still taken for sampling, s; any is where it is not given.
 
+    Returns
+    -------
+    JointLog
+
     Raises
     ------
     InputError
@@ -146,7 +150,12 @@ def read_log(
 
 
 def read_csv_trajectory(path: Path, *, max_gap: float | None = None) -> JointLog:
-    """`read_log` of a file whose columns need no explanation."""
+    """`read_log` of a file whose columns need no explanation.
+
+    Returns
+    -------
+    JointLog
+    """
     return read_log(path, max_gap=max_gap)
 
 

@@ -152,6 +152,10 @@ def fit_trajectory(
     ends : {"auto", "rest", "moving"}
         Read off the samples, or take both ends for rest, or neither.
 
+    Returns
+    -------
+    Trajectory
+
     Raises
     ------
     InputError
@@ -280,7 +284,12 @@ def fit_log(
 
 
 def fit_residual(trajectory: Trajectory) -> FitResidual:
-    """How far a trajectory is from its points at their times: the residual of `fit_trajectory`."""
+    """How far a trajectory is from its points at their times: the residual of `fit_trajectory`.
+
+    Returns
+    -------
+    FitResidual
+    """
     difference = trajectory.points - trajectory(trajectory.times)
     return FitResidual(max=np.abs(difference).max(axis=0), rms=np.sqrt((difference**2).mean(axis=0)))
 

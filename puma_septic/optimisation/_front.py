@@ -147,6 +147,10 @@ def pareto_front(
     size : int
         Number of searches along the front, at least 3; dominated ends are left out.
 
+    Returns
+    -------
+    ParetoFront
+
     Raises
     ------
     InputError

@@ -193,6 +193,10 @@ def least_time(
     restarts, seed, progress
         As in `optimise_via_times`.
 
+    Returns
+    -------
+    LeastTime
+
     Raises
     ------
     InputError

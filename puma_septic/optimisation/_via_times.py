@@ -173,6 +173,10 @@ def optimise_via_times(
     progress : callable, optional
         Called with the number of searches done and of all.
 
+    Returns
+    -------
+    OptimisedTimes
+
     Raises
     ------
     InputError

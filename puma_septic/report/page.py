@@ -74,6 +74,10 @@ def report_html(what: Reported, *, title: str | None = None, notes: Sequence[str
     notes : sequence of str
         What else a reader must know, such as how a log was read; it stands below the verdict.
 
+    Returns
+    -------
+    str
+
     Raises
     ------
     InputError

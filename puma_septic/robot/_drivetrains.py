@@ -82,6 +82,10 @@ def load_drivetrains(robot: Robot, path: str | Path | None = None) -> tuple[Driv
         `Gearbox` and `Drive` and whose values are tables ``{ value = ..., source = "..." }``. By default the file that
         comes with a robot of this package; without one, what the robot itself tells.
 
+    Returns
+    -------
+    tuple[Drivetrain, ...]
+
     Raises
     ------
     ModelError

@@ -102,6 +102,10 @@ class ResolvedTask:
 def resolve_task(task: Task) -> ResolvedTask:
     """Load the robot, solve the poses, choose the branch and make the trajectories.
 
+    Returns
+    -------
+    ResolvedTask
+
     Raises
     ------
     InputError
@@ -159,6 +163,10 @@ def solve_points(task: Task) -> tuple[Robot, tuple[Waypoint, ...]]:
 
 def assess_task(task: Task | ResolvedTask) -> tuple[Assessment, ...]:
     """Assess each profile of a task, in the task's order.
+
+    Returns
+    -------
+    tuple[Assessment, ...]
 
     Examples
     --------

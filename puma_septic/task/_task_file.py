@@ -40,6 +40,10 @@ def load_task(source: str | Path) -> Task:
         A name out of `task_names`, such as "paper", or the path of a .yaml or .yml file; paths in it are relative to
         its folder.
 
+    Returns
+    -------
+    Task
+
     Raises
     ------
     InputError

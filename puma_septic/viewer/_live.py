@@ -136,6 +136,10 @@ def replay_html(
     A page that holds it in a frame sets its time by ``frame.contentWindow.postMessage({replay: "seek", time: 1.5},
     "*")`` and is told its own by messages ``{replay: "time", time: ...}``.
 
+    Returns
+    -------
+    str
+
     Examples
     --------
     >>> import puma_septic as ps

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 from importlib import import_module
 from types import ModuleType
@@ -62,3 +63,10 @@ def test_every_page_is_in_the_contents() -> None:
             listed += [(index.parent / line).relative_to(DOCS).as_posix() for line in lines]
     pages = {path.relative_to(DOCS).with_suffix("").as_posix() for path in DOCS.rglob("*.md")}
     assert sorted(listed) == sorted(pages - {"index"})
+
+
+@pytest.mark.parametrize("name", [name for name in ps.__all__ if inspect.isfunction(getattr(ps, name))])
+def test_every_public_function_says_what_it_returns(name: str) -> None:
+    function = getattr(ps, name)
+    returns_nothing = inspect.signature(function).return_annotation in (None, "None")
+    assert returns_nothing or "\n    Returns\n    -------\n" in (function.__doc__ or "").replace("\n\n\n", "\n")

@@ -36,11 +36,14 @@ def test_the_entry_point_is_the_plug_in() -> None:
 
 
 def test_a_suite_uses_its_fixtures(puma: ps.Robot, tmp_path: Path) -> None:
-    """In a process of its own, with the plug-in loaded as its entry point loads it."""
+    """In a process of its own, where the installed package's entry point loads the plug-in.
+
+    Named once more with ``-p``, pytest refuses a plug-in that its entry point has loaded already.
+    """
     ps.write_joint_trajectory(tmp_path / "good.yaml", small_move(puma))
     ps.write_joint_trajectory(tmp_path / "fast.yaml", small_move(puma, 0.4))
     (tmp_path / "test_cell.py").write_text(SUITE)
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "puma_septic.pytest_plugin"]
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
     run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert "1 failed, 2 passed" in run.stdout
     assert "effort_limit: joint1 torque 101.5 N m" in run.stdout

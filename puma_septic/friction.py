@@ -320,7 +320,7 @@ def loss_along(transmission: Array, load: Piecewise, direction: Piecewise) -> Pi
     Piecewise
         With breaks of its own where a load changes sign.
     """
-    rounding = ROUNDING * np.abs(load.coefficients).sum(axis=0).max()
+    rounding = ROUNDING * load.bounds().max()
     moved = resolved(load, rounding).aligned_with(direction)
     ways = direction.aligned_with(moved).coefficients[0]
     # A joint at rest loses nothing, whatever the sign of its load.
@@ -336,7 +336,7 @@ def resolved(load: Piecewise, rounding: float) -> Piecewise:
     -------
     Piecewise
     """
-    return load.by_interval(np.abs(load.coefficients).sum(axis=0) > rounding)
+    return load.by_interval(load.bounds() > rounding)
 
 
 def _passed(transmission: Array, power_sign: Array) -> Array:

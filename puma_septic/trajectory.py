@@ -104,7 +104,7 @@ class Trajectory:
 
     def _refuse_position_jumps(self) -> None:
         jumps = self.position.jumps()
-        allowed = _JUMP_TOLERANCE[0] * np.abs(self.position.coefficients).sum(axis=0).max(axis=0)
+        allowed = _JUMP_TOLERANCE[0] * self.position.bounds().max(axis=0)
         bad = np.abs(jumps.sizes) > allowed
         if bad.any():
             k, j = np.argwhere(bad)[0]
@@ -268,7 +268,7 @@ class Trajectory:
         interval is shorter than the time is late, and by those of the position where the series has been resampled; one
         that is exactly zero is not off.
         """
-        by_kind = np.abs(self.state.coefficients).sum(axis=0).max(axis=0).reshape(4, -1)
+        by_kind = self.state.bounds().max(axis=0).reshape(4, -1)
         none = STILL / self.duration ** np.arange(4.0)
         least = np.repeat(np.maximum(_JUMP_TOLERANCE * by_kind.max(axis=1), none), self.n_joints)
         size = np.abs(self.position.coefficients)
@@ -302,5 +302,5 @@ class Trajectory:
         A polynomial that swings far beyond its points is rounded as large as it swings; an instant is rounded to a part
         of the whole duration, in which the joint moves on.
         """
-        size, speed = (np.abs(self.derivative(order).coefficients).sum(axis=0).max(axis=0) for order in (0, 1))
+        size, speed = (self.derivative(order).bounds().max(axis=0) for order in (0, 1))
         return np.asarray(_SAME * size + 4 * np.spacing(self.duration) * speed)

@@ -72,7 +72,4 @@ def _is_same(one: Trajectory, other: Trajectory) -> bool:
     f, g = one.position, other.position
     if not np.array_equal(f.breaks, g.breaks):
         return False
-    low, high = sorted((f.coefficients, g.coefficients), key=len)
-    difference = high.copy()
-    difference[: len(low)] -= low
-    return bool(np.abs(difference).max() <= _SAME * np.abs(high).max())
+    return bool((f - g).bounds().max() <= _SAME * max(f.bounds().max(), g.bounds().max()))

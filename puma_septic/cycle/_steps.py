@@ -179,7 +179,7 @@ def _gap_lines(one: Stretch, other: Stretch, what: str, turns: NDArray[np.bool_]
     end, start = f.ends()[1][-1], g.ends()[0][0]
     gap = start - end
     gap = np.where(turns, np.remainder(gap + np.pi, 2 * np.pi) - np.pi, gap)
-    reach = np.maximum(*(np.abs(h.coefficients).sum(axis=0).max(axis=0) for h in (f, g)))
+    reach = np.maximum(*(h.bounds().max(axis=0) for h in (f, g)))
     lines = []
     for j in np.flatnonzero(~(np.abs(gap) <= _JOINED * np.maximum(1.0, reach))):
         unit = ("m" if one.robot.is_prismatic[j] else "rad") + ("/s" if what == "velocity" else "")

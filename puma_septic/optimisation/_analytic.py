@@ -83,6 +83,4 @@ def best_free_values(
 def _inner_matrix(f: Piecewise, g: Piecewise) -> Array:
     """Integrals of all products, shape (m_f, m_g)."""
     m, n = f.n_components, g.n_components
-    wide_f = Piecewise(breaks=f.breaks, coefficients=np.repeat(f.coefficients, n, axis=2))
-    wide_g = Piecewise(breaks=g.breaks, coefficients=np.tile(g.coefficients, m))
-    return wide_f.inner(wide_g).reshape(m, n)
+    return f[np.repeat(np.arange(m), n)].inner(g[np.tile(np.arange(n), m)]).reshape(m, n)

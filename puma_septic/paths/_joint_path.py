@@ -250,11 +250,7 @@ def _within_limits(robot: Robot, path: Path, position: Piecewise, held: str) -> 
     if turns is None:
         s = np.union1d(np.linspace(0.0, path.length, 257), np.concatenate([extrema.t_min, extrema.t_max]))
         raise _beyond(robot, path, Guide(s, position(s)), held)
-    if not turns.any():
-        return position
-    series = position.coefficients.copy()
-    series[0] += turns
-    return Piecewise(breaks=position.breaks, coefficients=series)
+    return position + turns if turns.any() else position
 
 
 def _beyond(robot: Robot, path: Path, guide: Guide, held: str) -> NoSolution:

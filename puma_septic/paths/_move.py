@@ -95,9 +95,7 @@ def timed(way: JointPath, law: Trajectory | Piecewise) -> Trajectory:
     distance = _checked_law(way.path, law)
     places = way.position.breaks[1:-1]
     if len(places):
-        passed = distance.stepwise(np.tile(-places, (len(distance.lengths), 1)))
-        repeated = Piecewise(breaks=distance.breaks, coefficients=np.repeat(distance.coefficients, len(places), axis=2))
-        distance = distance.split(np.concatenate((repeated + passed).roots()))
+        distance = distance.split(np.concatenate((distance[[0] * len(places)] - places).roots()))
     position = fit_state(_composed(way.position, distance), distance.offsets, _not_smooth).shifted(distance.start)
     rests = (law.rest_before, law.rest_after) if isinstance(law, Trajectory) else (True, True)
     return Trajectory(

@@ -148,15 +148,7 @@ def _straight(
 def _corner(point: Array, rotation: Array, directions: Array, axes: Array, rates: Array, zone: float) -> _Part:
     """The blend about a corner; its turn of the incoming segment is counted from the corner's orientation."""
     shares = _blend_by_length(float(directions[0] @ directions[1]), zone)
-    series = shares.coefficients
-    moved = np.einsum("knc,cx->knx", series, directions)
-    moved[0] += point
-    return _Part(
-        Piecewise(breaks=shares.breaks, coefficients=moved),
-        Piecewise(breaks=shares.breaks, coefficients=series * rates),
-        axes,
-        rotation,
-    )
+    return _Part(shares.combined(directions) + point, shares * rates, axes, rotation)
 
 
 def _blend_by_length(cosine: float, zone: float) -> Piecewise:

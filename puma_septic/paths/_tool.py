@@ -49,9 +49,7 @@ class ToolRates:
     def square(self, quantity: str) -> Piecewise:
         """The square of the quantity, which is smooth also where the tool rests."""
         vector = self.vector(quantity)
-        squares = vector * vector
-        series = squares.coefficients.sum(axis=2, keepdims=True)
-        return Piecewise(breaks=squares.breaks, coefficients=series)
+        return (vector * vector).combined(np.ones((3, 1)))
 
     def peak(self, quantity: str) -> tuple[float, float]:
         """Largest value and its instant, s; infinite at the first step of what it is the derivative of.

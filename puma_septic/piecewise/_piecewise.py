@@ -224,11 +224,13 @@ class Piecewise:
         """Instants in the middle of the intervals, s, shape (n,)."""
         return self.start + (self.offsets[:-1] + self.offsets[1:]) / 2
 
-    def __getitem__(self, components: int | slice) -> Piecewise:
-        """One component, or some, as a function of its own."""
-        if not isinstance(components, slice):
-            components = slice(components, components + 1 or None)
-        return self._with(self.coefficients[:, :, components])
+    def __getitem__(self, components: int | slice | Sequence[int] | NDArray[np.int64]) -> Piecewise:
+        """One component, or some, also repeated (``f[[0, 0, 1]]``), as a function of its own."""
+        return self._with(self.coefficients[:, :, [components] if isinstance(components, int) else components])
+
+    def combined(self, matrix: ArrayLike) -> Piecewise:
+        """Linear combinations of the components, ``f(t) @ matrix`` with a matrix of shape (m, p)."""
+        return self._with(self.coefficients @ checked_array("matrix", matrix, (self.n_components, None)))
 
     def by_interval(self, factors: ArrayLike) -> Piecewise:
         """The function times a factor on each interval, shape (n,) or (n, m)."""
@@ -243,6 +245,10 @@ class Piecewise:
                 f"values: shape {values.shape} is not ({len(self.offsets) - 1}, p), a row for each interval"
             )
         return self._with(values[None])
+
+    def bounds(self) -> Array:
+        """What no component's magnitude exceeds on each interval, shape (n, m): the sum of its ``|coefficients|``."""
+        return np.asarray(np.abs(self.coefficients).sum(axis=0))
 
     def trimmed(self, part: float) -> Piecewise:
         """Without the last coefficients that are all below this part of the largest of their component."""
@@ -382,7 +388,7 @@ class Piecewise:
         """
         weights = matrices.gram_matrix(self.degree)[0]
         total = np.tensordot(weights, self.coefficients, 1)
-        rounding = _NO_SIGN * np.abs(self.coefficients).sum(axis=0)
+        rounding = _NO_SIGN * self.bounds()
         return np.asarray(np.sign(total) * (np.abs(total) > rounding))
 
     def split_at_roots(self, *, noise: ArrayLike | None = None) -> Piecewise:
@@ -430,9 +436,12 @@ class Piecewise:
         series = _apply(matrices.coefficients_from_values(self.degree), at_nodes)
         return self._trusted(self.start, merged, series)
 
-    def __add__(self, other: Piecewise) -> Piecewise:
+    def __add__(self, other: Piecewise | ArrayLike) -> Piecewise:
+        """The sum, componentwise, with a function or with a constant of shape () or (m,)."""
         if not isinstance(other, Piecewise):
-            return NotImplemented
+            moved = self.coefficients.copy()
+            moved[0] += checked_array("constant", other, () if np.ndim(other) == 0 else (self.n_components,))
+            return self._with(moved)
         f, g = _aligned(self, other)
         if f.degree < g.degree:
             f, g = g, f
@@ -440,8 +449,8 @@ class Piecewise:
         total[: g.degree + 1] += g.coefficients
         return f._with(total)
 
-    def __sub__(self, other: Piecewise) -> Piecewise:
-        return self + other * -1.0 if isinstance(other, Piecewise) else NotImplemented
+    def __sub__(self, other: Piecewise | ArrayLike) -> Piecewise:
+        return self + (other * -1.0 if isinstance(other, Piecewise) else np.negative(other))
 
     def __mul__(self, other: Piecewise | ArrayLike) -> Piecewise:
         """The product, componentwise, with a function or with a constant of shape () or (m,)."""
@@ -454,6 +463,7 @@ class Piecewise:
         product = _apply(matrices.coefficients_from_values(degree), at_nodes[0] * at_nodes[1])
         return f._with(product)
 
+    __radd__ = __add__
     __rmul__ = __mul__
     # An array on the left leaves the product to us, instead of multiplying element by element.
     __array_ufunc__: ClassVar[None] = None

@@ -163,16 +163,14 @@ def _values(trajectory: Trajectory, times: Array, fields: int) -> list[Array]:
         function = trajectory.derivative(order).split(times)
         left, right = function.ends()
         at = np.concatenate([left, right[-1:]])
-        largest = np.abs(function.coefficients).sum(axis=0).max(axis=0)
+        largest = function.bounds().max(axis=0)
         values[order] = np.where(np.abs(at) <= _ROUNDING * largest, 0.0, at)
     return values
 
 
 def _degree(trajectory: Trajectory) -> int:
     """Highest degree that is more than rounding, over all intervals and joints."""
-    size = np.abs(trajectory.position.coefficients)
-    real = (size > _ROUNDING * size.max(axis=(0, 1))).any(axis=(1, 2))
-    return int(np.flatnonzero(real)[-1]) if real.any() else 0
+    return trajectory.position.trimmed(_ROUNDING).degree
 
 
 def _fields(trajectory: Trajectory) -> int:

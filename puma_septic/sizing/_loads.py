@@ -137,7 +137,7 @@ def joint_load(cycle: Cycle, j: int) -> JointLoad:
 
     Where the joint rests is the cycle's word, by its travel; what its velocity and acceleration have there is rounding.
     """
-    rounding = ROUNDING * np.abs(cycle.load_torque.coefficients).sum(axis=0).max()
+    rounding = ROUNDING * cycle.load_torque.bounds().max()
     torque = resolved(cycle.load_torque[j], rounding).split_at_roots()
     interval = np.searchsorted(cycle.load_torque.breaks[1:-1], torque.middles)
     direction = cycle.velocity_sign[interval, j]

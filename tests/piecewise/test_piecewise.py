@@ -356,8 +356,8 @@ def test_combinations_that_make_no_sense_are_refused() -> None:
         f * [1.0, 2.0, 3.0]
     with pytest.raises(ps.InputError, match="factor = nan is not a finite number"):
         f * np.nan
-    with pytest.raises(TypeError):
-        f + 1.0  # type: ignore[operator]
+    with pytest.raises(ps.InputError, match=r"constant: shape \(3,\) is not \(2,\)"):
+        f + np.ones(3)
 
 
 def test_concatenate_puts_components_side_by_side() -> None:
@@ -370,6 +370,23 @@ def test_concatenate_puts_components_side_by_side() -> None:
 
 
 # --- split ----------------------------------------------------------------------------------------
+
+
+@given(seeds)
+@hypothesis_settings(max_examples=20)
+def test_components_are_chosen_repeated_and_combined(seed: int) -> None:
+    """Verbs for what callers did to coefficients by hand: choose, repeat, combine and move components."""
+    rng = np.random.default_rng(seed)
+    f = Piecewise(breaks=[0.0, 0.5, 2.0], coefficients=rng.normal(size=(5, 2, 3)))
+    t, matrix, constant = rng.uniform(0, 2, 20), rng.normal(size=(3, 2)), rng.normal(size=3)
+    np.testing.assert_array_equal(f[-1].coefficients, f.coefficients[:, :, 2:])
+    np.testing.assert_array_equal(f[[0, 0, 2]].coefficients, f.coefficients[:, :, [0, 0, 2]])
+    np.testing.assert_allclose(f.combined(matrix)(t), f(t) @ matrix, rtol=0, atol=1e-13)
+    np.testing.assert_allclose((f + constant)(t), f(t) + constant, rtol=0, atol=1e-14)
+    np.testing.assert_allclose((constant + f - 2.0)(t), constant + f(t) - 2.0, rtol=0, atol=1e-14)
+    assert (np.abs(f(t)) <= f.bounds()[np.searchsorted([0.5], t, side="right")]).all()
+    with pytest.raises(ps.InputError, match="matrix: shape"):
+        f.combined(np.ones((2, 2)))
 
 
 @given(seeds, st.lists(st.floats(0.0, 1.0), max_size=8), st.sampled_from([0, 3, 20, 64]))

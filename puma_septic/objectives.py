@@ -22,7 +22,7 @@ from puma_septic.validation import Array, checked_choice
 
 __all__ = ["OBJECTIVES", "Candidate", "Objective", "checked_objectives", "interval_extremes", "non_dominated"]
 
-# A difference below this part is none: values of motions that are equal but for rounding do not beat each other.
+# A difference below this part is rounding: values of motions that are equal but for rounding do not beat each other.
 _EQUAL = 1e-9
 
 

@@ -19,7 +19,7 @@ from puma_septic.validation import Array, checked_array, checked_times, read_onl
 __all__ = ["Trajectory"]
 
 _ORDERS = np.arange(4.0)[:, None, None]
-# A step below this part of the largest value of its kind is none: of position, velocity, acceleration and jerk. The
+# A step below this part of the largest value of its kind is rounding: of position, velocity, acceleration and jerk. The
 # acceleration of a series that was fitted to 1e-11 has lost four digits, and its steps make the jerk infinite.
 _JUMP_TOLERANCE = np.array([1e-9, 1e-9, 1e-7, 1e-9])
 # More points than this are the samples of a recorded motion, and their marks a broad line.
@@ -57,7 +57,7 @@ class Trajectory:
         excerpt that starts or ends moving.
     resolution : array_like, shape () or (n_joints,)
         Travel in rad (m) that does not count as motion, such as the dead band of a recorded signal: reversals within it
-        are none, and a joint that stays within it for `REST_TIME` or longer is at rest. At least `STILL` counts as
+        do not count, and a joint that stays within it for `REST_TIME` or longer is at rest. At least `STILL` counts as
         nothing in any motion.
     doubts : tuple of str
         What must be settled before a verdict, such as the noise or the units of a log; none of a planned motion.
@@ -262,8 +262,8 @@ class Trajectory:
     def _jump_tolerance(self) -> Array:
         """Per break and component of `state`: a part of the largest value of its kind, or what rounding makes of zero.
 
-        What would move a joint by no more than `STILL` over the whole motion is none either. The largest over all
-        joints: what is rounding of the whole motion is none of one joint. A coefficient that is off by d moves
+        What would move a joint by no more than `STILL` over the whole motion does not count either. The largest over
+        all joints: what is rounding of the whole motion is no step of one joint. A coefficient that is off by d moves
         derivative r at an end by ``d T_n^(r)(1) (2/h)^r``. It is off by roundings of itself, as many more as the
         interval is shorter than the time is late, and by those of the position where the series has been resampled; one
         that is exactly zero is not off.

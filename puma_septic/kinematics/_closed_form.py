@@ -103,7 +103,7 @@ def configurations(form: ClosedForm) -> tuple[str, ...]:
 
 
 def solve_in_blocks(robot: Robot, form: ClosedForm, target: Array, q_near: Array | None) -> Branches:
-    """`solve_branches` for any number of poses, so many at once that memory stays small."""
+    """`solve_branches` for any number of poses, in blocks that keep memory small."""
     n = target.shape[2]
     if n <= BLOCK:
         return solve_branches(robot, form, target, q_near)

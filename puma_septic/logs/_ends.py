@@ -16,7 +16,7 @@ from puma_septic.validation import Array
 __all__ = ["Ends", "EndsRule", "ends_of"]
 
 EndsRule = Literal["auto", "rest", "moving"]
-# A value is zero where it is within so many standard deviations of it: once in 16,000 normal draws it is not.
+# A value counts as zero within this many standard deviations: once in 16,000 normal draws it is not.
 _SIGMAS: Final = 4.0
 # And where it is this part of what the peak acceleration makes in one step: a quintic spline through 20 samples of a
 # smooth move gets as much wrong beside an end.

@@ -48,7 +48,7 @@ _LONG_STEP: Final = 1.0
 _FEWEST: Final = 7
 _HALVED: Final = 4.0
 _ROUNDING: Final = 1e-14
-# A slope of squared residuals over squared speeds that is so many standard errors above zero is jitter of the stamps.
+# A slope of squared residuals over squared speeds that is this many standard errors above zero is jitter of the stamps.
 _CERTAIN: Final = 4.0
 # Part of the residual that is left to noise where jitter explains nearly all of it.
 _LEAST_PLAIN: Final = 0.01

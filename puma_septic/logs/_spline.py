@@ -57,7 +57,7 @@ def knots_on(breaks: Array) -> Array:
 def merged_columns(p: int, rest: tuple[int, int]) -> NDArray[np.int64]:
     """Which free coefficient each of p B-spline coefficients is.
 
-    Where the first `rest` derivatives are zero at an end, so many coefficients and one more are equal there.
+    Where the first `rest` derivatives are zero at an end, the first `rest` + 1 coefficients are equal there.
     """
     return np.clip(np.arange(p) - rest[0], 0, p - 1 - sum(rest))
 

@@ -15,7 +15,7 @@ __all__ = ["held_rows", "suspicions"]
 _MOST_TURNED: Final = 20.0
 # A motion that breaks its bounds breaks them by less, rad or m.
 _BEYOND: Final = 1.0
-# Rows so far apart are none of a logger, and an arm that never exceeds this speed hardly moves.
+# No logger writes rows this far apart, and an arm that never exceeds this speed hardly moves.
 _LONG_STEP: Final = 0.9
 _SLOW: Final = 0.02
 _FAST_ENOUGH: Final = 0.05

@@ -19,7 +19,7 @@ from puma_septic.validation import Array, read_only
 
 __all__ = ["TorqueBand", "torque_band"]
 
-# Instants at which torques are compared: in all at least and at most so many, and per second between.
+# Instants at which torques are compared: the least and the most of them, and per second in between.
 _LEAST, _MOST, _PER_SECOND = 600, 4000, 400.0
 # Of the draws, this part deviates by less than the band; widened by what coverage on 200 logs of known motions needs.
 _PART: Final = 0.98
@@ -163,7 +163,7 @@ def _dry_friction(robot: Robot, state: list[Array], sign: Array) -> Array:
 
 
 def _grown(flags: NDArray[np.bool_], margin: int) -> NDArray[np.bool_]:
-    """Flags (n,), set also within so many rows of one that is."""
+    """Flags (n,), set also within the given number of rows of one that is set."""
     sums = np.cumsum(np.pad(flags, (margin + 1, margin)).astype(np.int64))
     return np.asarray(sums[2 * margin + 1 :] - sums[: -2 * margin - 1] > 0)
 

@@ -128,7 +128,7 @@ def checked_setting(
     dwell: float,
     least: int = 3,
 ) -> Setting:
-    """The setting of these arguments, with at least so many points; see `optimise_via_times` for the others."""
+    """The setting of these arguments, with `least` points or more; see `optimise_via_times` for the others."""
     variables = checked_variables(make, points, times, free, least=least)
     n_joints = variables.points.shape[1]
     if robot is not None and robot.n_joints != n_joints:
@@ -153,7 +153,7 @@ def checked_count(name: str, value: int, at_least: int = 0) -> int:
 
 
 def random_starts(variables: Variables, first: Array, count: int, seed: int) -> list[Array]:
-    """The first start, and so many with random times beside it; free values stay the first's."""
+    """The first start, and further ones with random times; free values stay the first's."""
     rng = np.random.default_rng(seed)
     t = variables.start
     starts = [first]

@@ -80,7 +80,7 @@ def least_duration(robot: Robot, trajectory: Trajectory) -> LeastDuration:
 
 
 def median_seconds(compute: Callable[[], object], runs: int, clock: Callable[[], float]) -> float:
-    """The median time of so many runs, after one that does not count."""
+    """The median time of the runs, after one that does not count."""
     compute()
     times = []
     for _ in range(runs):

@@ -81,7 +81,7 @@ def derivative_picture(tracks: Sequence[Track], order: int, robot: Robot | None 
     InputError
         For another order.
     """
-    tracks[0].trajectory.derivative(order)  # refuses an order that is none
+    tracks[0].trajectory.derivative(order)  # refuses an unknown order
     name = MOTION[order]
     panels = tuple(
         chart(

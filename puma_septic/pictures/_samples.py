@@ -16,7 +16,7 @@ from puma_septic.validation import Array
 
 __all__ = ["Samples", "Track", "samples_of", "together", "track_of"]
 
-# A line of so many points is smooth on any screen; and on each interval.
+# A line of this many points is smooth on any screen; and the least on each interval.
 _SAMPLES: Final = 200
 _LEAST: Final = 8
 

@@ -261,7 +261,7 @@ class Piecewise:
         return self if _same(self.offsets, other.offsets) else self._split_offsets([other.offsets])
 
     def shifted(self, seconds: float) -> Piecewise:
-        """The same function, later by so many seconds: ``f(t - seconds)``."""
+        """The same function, later by a number of seconds: ``f(t - seconds)``."""
         return self._trusted(self.start + float(seconds), self.offsets, self.coefficients)
 
     def from_zero(self) -> Piecewise:
@@ -366,8 +366,8 @@ class Piecewise:
     def roots(self, *, noise: ArrayLike | None = None) -> tuple[Array, ...]:
         """Times inside the intervals at which each component changes sign, one sorted array per component.
 
-        A zero without a change of sign (a double zero, rest) is none, and a change of sign across a break needs no
-        root: it is at the break.
+        A zero without a change of sign (a double zero, rest) does not count, and a change of sign across a break
+        needs no root: it is at the break.
 
         Parameters
         ----------

@@ -12,7 +12,7 @@ __all__ = ["sampled"]
 # More intervals than this, as a recorded motion has, are not drawn one by one; a screen has fewer columns.
 _MOST_INTERVALS = 500
 _THINNED = 1500
-# Of these, steps that are seen in a picture are drawn upright: this part of the range, the largest so many.
+# Of these, steps that are seen in a picture are drawn upright: this part of the range, the largest of them.
 _SEEN = 1e-3
 _MOST_STEPS = 200
 
@@ -24,7 +24,7 @@ def sampled(function: Piecewise, *, samples: int = 480, least: int = 16) -> tupl
     ----------
     function : Piecewise
     samples : int
-        About so many over the span, evenly spaced on each interval.
+        About this many over the span, evenly spaced on each interval.
     least : int
         On each interval, both its ends included. A function of more than 500 intervals has 1,500 instants in all, and
         the two sides of its visible steps.

@@ -13,8 +13,8 @@ from puma_septic.validation import Array
 __all__ = ["REST_TIME", "STILL", "find_directions"]
 
 STILL: Final = 1e-9
-"""Travel that is none in any motion, rad or m: below what the finest encoders resolve (32 bits a turn: 1.5e-9 rad),
-above what numeric inverse kinematics and the arithmetic of profiles leave."""
+"""Travel that counts as rest in any motion, rad or m: below what the finest encoders resolve (32 bits a turn:
+1.5e-9 rad), above what numeric inverse kinematics and the arithmetic of profiles leave."""
 REST_TIME: Final = 0.1
 """A recorded joint that stays within its resolution for this long is at rest, s. It moves by less than ten resolutions
 a second; near a reversal or an end a joint that accelerates is this slow for a shorter time."""
@@ -30,7 +30,7 @@ def find_directions(position: Piecewise, turns: Array, resolution: Array) -> Pie
     """The direction of each component, +1, -1 or 0, as a function that is constant between its breaks.
 
     Turning points are extrema of the position between which it travels by more than its resolution (at least `STILL`);
-    smaller reversals are none. Between two turning points the direction is the sign of the travel. It is 0
+    smaller reversals do not count. Between two turning points the direction is the sign of the travel. It is 0
 
     - throughout, where a component never travels by more than its resolution;
     - on an interval on which it is constant, or where it creeps, slower than `STILL` tenfold in the whole motion, for a
@@ -101,7 +101,7 @@ def _recorded_rests(position: Piecewise, resolution: float) -> Array:
 def _creeping(position: Piecewise) -> NDArray[np.bool_]:
     """Whether each component is at rest but for rounding on each interval, shape (n, m).
 
-    A short interval in which it comes to rest is none: there it is slow, but brakes.
+    A short interval in which it comes to rest does not count: there it is slow, but brakes.
     """
     travel = 2 * np.abs(position.coefficients[1:]).sum(axis=0)
     creeping = travel <= STILL * np.minimum(1.0, _CREEP * position.lengths / position.duration)[:, None]

@@ -14,8 +14,8 @@ from puma_septic.validation import Array
 
 __all__ = ["Phases", "side_by_side"]
 
-# Resolution of time: phases that begin within this part of the duration of each other begin together, and a phase
-# shorter than it is none. Piecewise tells times apart down to 1e-13 of the duration.
+# Resolution of time: phases that begin within this part of the duration of each other begin together, and a shorter
+# phase is left out. Piecewise tells times apart down to 1e-13 of the duration.
 SAME_TIME = 4e-13
 
 

@@ -212,7 +212,7 @@ def _blended(vias: Vias, blends: Array, degree: int) -> Piecewise:
 
 
 def _check_overlap(starts: Array, blends: Array) -> None:
-    """Refuse lines of negative length; one of no length is none."""
+    """Refuse lines of negative length; one of length zero is left out."""
     line = np.diff(starts, axis=0)[1::2]
     room = -1e-12 * starts[-1].max()
     if (line < room).any():

@@ -68,7 +68,7 @@ class ActuatorFile:
         InputError
             For an unknown set, with the valid names.
         ModelError
-            For a joint that the arm does not have, or a value that is none.
+            For a joint that the arm does not have, or a value that is not a valid one.
         """
         if not self.parameters and name is None:
             return ParameterSet(name="", notes=(), drivetrains={}, links={}, joint_origins={})

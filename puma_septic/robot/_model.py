@@ -283,7 +283,7 @@ class Robot:
         Raises
         ------
         InputError
-            For a name that is no limit's, or values that are none.
+            For an unknown limit, or values that no limit can have.
         """
         new = self.limits if limits is None else _instance("limits", limits, Limits)
         changes: dict[str, Any] = {}

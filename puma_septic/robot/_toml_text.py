@@ -75,7 +75,7 @@ def table(value: object, where: str, keys: Sequence[str] | None = None, *, kind:
 
 
 def _most_parts(text: str) -> int:
-    """Of any dotted key in the text; dots inside texts and remarks are none."""
+    """Of any dotted key in the text; dots inside texts and comments do not count."""
     most = parts = 0
     after_dot = False
     for token in _TOKEN.finditer(text):

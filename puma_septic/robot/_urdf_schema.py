@@ -277,7 +277,7 @@ def _shapes(text: UrdfText, element: ET.Element, part: ET.Element | None) -> Ite
 
 
 def _no_numbers(count: int, value: str) -> str:
-    """Why a value is not so many finite numbers; "" where it is."""
+    """Why a value is not the expected count of finite numbers; "" where it is."""
     words = value.split()
     if len(words) != count:
         return f"expected {'one number' if count == 1 else f'{count} numbers with spaces between'}"

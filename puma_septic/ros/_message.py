@@ -197,7 +197,7 @@ def _row(value: object, count: int, where: str, faults: list[Fault]) -> Array:
 
 
 def _is_number(value: object) -> bool:
-    """A number that a joint may have; NaN and infinity are none."""
+    """A number that a joint may have: finite, not NaN."""
     return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= _LARGEST
 
 

@@ -128,7 +128,7 @@ def select(
 
 
 def checked_rank(rank: Rank, keep: int | None) -> None:
-    """Raise an InputError for an unknown rank or a number of pairs that is none."""
+    """Raise an InputError for an unknown rank or an invalid number of pairs."""
     checked_choice("rank", rank, RANKS)
     if keep is not None and (isinstance(keep, bool) or not isinstance(keep, int) or keep < 1):
         raise InputError(f"keep = {keep!r}: expected a number of pairs from 1, or None for all")

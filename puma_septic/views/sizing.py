@@ -17,7 +17,7 @@ __all__ = ["checks_csv", "html", "text"]
 Document = Mapping[str, Any]
 
 _RPM: Final = 60 / (2 * pi)
-# A cause that is left of a difference, below this part of their sum, is none.
+# A cause computed as a difference is rounding where it is below this part of the sum of causes.
 _ROUNDING: Final = 1e-12
 _CAUSES: Final = ("gravity", "motion", "rotor", "friction")
 _DEMANDS: Final = (

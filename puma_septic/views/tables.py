@@ -21,7 +21,7 @@ _PLAIN_FROM, _PLAIN_BELOW = 1e-4, 1e7
 
 
 def number(value: float, digits: int = 4) -> str:
-    """Write a number with at least so many significant digits, never cutting its integer part.
+    """Write a number with at least the given number of significant digits, never cutting its integer part.
 
     Examples
     --------

@@ -175,7 +175,7 @@ def acceleration_limits(
     Raises
     ------
     InputError
-        For a robot without effort limits, with friction that depends on the load, and bounds that are none.
+        For a robot without effort limits, with friction that depends on the load, and invalid bounds.
     ModelError
         If a moving part has no inertia, or more joints act together than can be bounded.
 

@@ -79,7 +79,7 @@ def worst_holding_torque(
     Raises
     ------
     InputError
-        For bounds that are none.
+        For invalid bounds.
     ModelError
         If a moving part has no inertia, or more joints act together than can be bounded.
 

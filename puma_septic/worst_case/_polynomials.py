@@ -109,7 +109,7 @@ def fitted(
     function : callable
         Of q, shape (n, n_joints); returns shape (n, n_quantities), all in one unit.
     region : ndarray, shape (n_joints, 2)
-        Where a sliding joint is sampled.
+        Where a prismatic joint is sampled.
     slides : sequence of bool, length n_joints
     degrees : sequence of int, length n_joints
         0, 1 or 2 of each joint; 0 where nothing depends on it.

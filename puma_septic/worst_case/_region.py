@@ -24,7 +24,7 @@ def checked_region(robot: Robot, region: Region | None) -> Array:
     Raises
     ------
     InputError
-        For an unknown joint, bounds that are not in order, and a sliding joint without any.
+        For an unknown joint, bounds that are not in order, and a prismatic joint without bounds.
     """
     bounds = np.array(robot.limits.position)
     free = np.isnan(bounds).any(axis=1) & ~robot.is_prismatic

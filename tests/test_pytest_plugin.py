@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import tomllib
@@ -44,7 +45,9 @@ def test_a_suite_uses_its_fixtures(puma: ps.Robot, tmp_path: Path) -> None:
     ps.write_joint_trajectory(tmp_path / "fast.yaml", small_move(puma, 0.4))
     (tmp_path / "test_cell.py").write_text(SUITE)
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
-    run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    # Options meant for this run, such as a measurement of coverage, are not the inner one's.
+    environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTEST_", "COV"))}
+    run = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert "1 failed, 2 passed" in run.stdout
     assert "effort_limit: joint1 torque 101.5 N m" in run.stdout
     assert "fast.yaml: violated, 3 reasons" in run.stdout

@@ -10,7 +10,7 @@ from typing import Any, Final, Literal, Self, final
 from puma_septic.document import numeric, plain
 from puma_septic.quantities import QUANTITIES
 
-__all__ = ["AT_LIMIT", "Kind", "LimitCheck", "most_used_first"]
+__all__ = ["AT_LIMIT", "HEIGHT", "Kind", "LimitCheck", "most_used_first"]
 
 AT_LIMIT: Final = 1e-9
 """A demand that exceeds its limit by no more than this part of the limit is at the limit, and keeps it.
@@ -19,6 +19,9 @@ It is five times what the arithmetic of a profile made at its limits leaves (2e-
 20 points with random limits), and far below any datum. A position, whose margin is a distance, keeps its bound if it
 is beyond it by no more than this in rad (or m), the slack that inverse kinematics allows.
 """
+
+HEIGHT: Final = "height"
+"""The quantity of a check against a floor, which no joint has a limit of."""
 
 # The fields of a check that are numbers, which JSON has no infinity for.
 _NUMBERS: Final = ("demand", "limit", "time", "utilisation", "margin")
@@ -34,8 +37,9 @@ class LimitCheck:
     Attributes
     ----------
     joint : str
+        Of a height, the lowest part: a joint or the tool frame.
     quantity : str
-        A name in `puma_septic.quantities.QUANTITIES`, or what a drive train's check is called, "motor speed".
+        A name in `puma_septic.quantities.QUANTITIES`, "height", or what a drive train's check is called, "motor speed".
     demand : float
         The magnitude asked for, infinite where unbounded; for positions the extreme position.
     limit : float
@@ -149,6 +153,27 @@ class LimitCheck:
             source=source,
         )
 
+    @classmethod
+    def of_height(cls, *, part: str, height: float, floor: float, time: float) -> Self:
+        """Height of the lowest part of an arm, a joint or its tool frame, against a floor, m.
+
+        Returns
+        -------
+        LimitCheck
+        """
+        margin = height - floor
+        return cls(
+            joint=part,
+            quantity=HEIGHT,
+            demand=height,
+            limit=floor,
+            unit="m",
+            time=time,
+            utilisation=0.0 if margin >= -AT_LIMIT else inf,
+            margin=margin,
+            source="floor",
+        )
+
     @property
     def is_violated(self) -> bool:
         """Whether the demand exceeds the limit by more than `AT_LIMIT`."""
@@ -179,8 +204,8 @@ class LimitCheck:
 
     @property
     def is_range(self) -> bool:
-        """Whether the limit is one bound of a range, and the margin a distance from it: so for positions."""
-        return self.quantity in QUANTITIES and QUANTITIES[self.quantity].is_range
+        """Whether the limit is a bound, and the margin a distance from it: so for positions and heights."""
+        return self.quantity == HEIGHT or (self.quantity in QUANTITIES and QUANTITIES[self.quantity].is_range)
 
     def __str__(self) -> str:
         when = "" if isnan(self.time) else f" at t = {self.time:.4g} s"
@@ -189,6 +214,9 @@ class LimitCheck:
             return f"{self.joint} {self.label} unbounded{when}, {self.limit_text}{kind}"
         what = f"{self.joint} {self.label} {self.demand:.4g} {self.unit}".rstrip() + when
         limit = f"{self.limit:.4g} {self.unit}".rstrip()
+        if self.quantity == HEIGHT:
+            side = "below" if self.is_violated else "above"
+            return f"{what} is {abs(self.margin):.4g} {self.unit} {side} the floor at {limit}"
         if self.is_range:
             side = "beyond" if self.is_violated else "from"
             return f"{what} is {abs(self.margin):.4g} {self.unit} {side} its bound {limit}"

@@ -39,11 +39,14 @@ class Candidate:
     robot : Robot or None
     dwell : float
         Rest before the cycle repeats, in the root mean squares, s.
+    floor : float or None
+        Height that the arm must stay above, m.
     """
 
     trajectory: Trajectory
     robot: Robot | None = None
     dwell: float = 0.0
+    floor: float | None = None
 
     @cached_property
     def motion(self) -> Motion:
@@ -61,7 +64,7 @@ class Candidate:
     @cached_property
     def assessment(self) -> Assessment:
         """The motion checked against its limits."""
-        return assess(self.motion, dwell=self.dwell)
+        return assess(self.motion, dwell=self.dwell, floor=self.floor)
 
 
 @final

@@ -11,6 +11,7 @@ import numpy as np
 from puma_septic.assessment._doubts import unit_doubts
 from puma_septic.assessment._joints import PowerMetrics, coulomb_steps, derivative_peak, joint_metrics, power_metrics
 from puma_septic.assessment._limits import limit_checks, unknown_values
+from puma_septic.assessment._lowest import LowestPoint, lowest_point
 from puma_septic.assessment._tool import ToolMetrics, tool_metrics
 from puma_septic.doctor import doubts
 from puma_septic.document import SCHEMAS, plain
@@ -41,6 +42,8 @@ _TOOL = (
 )  # fmt: skip
 _TORQUE_DERIVATIVES = tuple(row for row in QUANTITIES.values() if row.signal == "torque" and row.order)
 _SINGULARITY = ("kind", "least_distance", "time", "crossings")
+# m; what is no lower than this stands on its base, to rounding.
+_BELOW_BASE = -1e-9
 
 
 @final
@@ -68,6 +71,8 @@ class Assessment:
         Root mean squares over motion and dwell.
     rms_torque : ndarray
         Root mean square over motion and dwell; the dwell takes the holding torque, without static friction.
+    floor : float or None
+        Height that joints and tool must not go below, m; None where there is none.
     """
 
     motion: Motion
@@ -85,6 +90,7 @@ class Assessment:
     rms_acceleration: Array
     rms_jerk: Array
     rms_torque: Array
+    floor: float | None = None
 
     @cached_property
     def position(self) -> Extrema:
@@ -100,6 +106,21 @@ class Assessment:
     def tool(self) -> ToolMetrics:
         """Speed, acceleration and height of the tool, and singular postures."""
         return tool_metrics(self.motion)
+
+    @cached_property
+    def lowest(self) -> LowestPoint:
+        """Where joints and tool are lowest along the motion, between its points too: exact, from series of height."""
+        return lowest_point(self.motion)
+
+    @cached_property
+    def floor_check(self) -> LimitCheck | None:
+        """The lowest point checked against the floor; None without a floor."""
+        return None if self.floor is None else self.lowest.check(self.floor)
+
+    @property
+    def all_checks(self) -> tuple[LimitCheck, ...]:
+        """`checks`, and that of the floor where there is one."""
+        return self.checks if self.floor_check is None else (*self.checks, self.floor_check)
 
     @cached_property
     def _power(self) -> PowerMetrics:
@@ -174,7 +195,7 @@ class Assessment:
         """What does not keep its limit with so much to spare: empty where all is kept.
 
         Velocity, acceleration, jerk and effort must stay below ``(1 - margin) * limit``; a position must stay within
-        its bounds, whatever the margin.
+        its bounds, and the arm above its floor, whatever the margin.
 
         Parameters
         ----------
@@ -184,7 +205,7 @@ class Assessment:
         Returns
         -------
         tuple of LimitCheck
-            Joint by joint.
+            Joint by joint, the floor last.
 
         Raises
         ------
@@ -192,17 +213,17 @@ class Assessment:
             For a margin outside [0, 1].
         """
         least = checked_number("margin", margin, at_least=0.0, at_most=1.0)
-        return tuple(check for check in self.checks if not check.keeps(least))
+        return tuple(check for check in self.all_checks if not check.keeps(least))
 
     @property
     def violations(self) -> tuple[LimitCheck, ...]:
         """The violated limits, the worst first; infinite acceleration or torque violates an unknown one too."""
-        return most_used_first(check for check in self.checks if check.is_violated)
+        return most_used_first(check for check in self.all_checks if check.is_violated)
 
     @property
     def worst(self) -> LimitCheck | None:
         """The governing limit: the one of highest utilisation, violated or not; None where no limit is known at all."""
-        return next(iter(most_used_first(self.checks)), None)
+        return next(iter(most_used_first(self.all_checks)), None)
 
     @property
     def verdict(self) -> str:
@@ -210,7 +231,7 @@ class Assessment:
         if self.undecided:
             return "undecided: " + "; ".join(self.undecided)
         sentence = verdict(("feasible", "infeasible"), self.violations, self.worst)
-        return f"{sentence}; on doubtful data, see the remarks" if doubts(self.motion.robot) else sentence
+        return f"{sentence}; on doubtful data, see the remarks" if self.doubts else sentence
 
     @property
     def is_feasible(self) -> bool:
@@ -224,6 +245,11 @@ class Assessment:
     def undecided(self) -> tuple[str, ...]:
         """What must be settled before a verdict: the noise or the units of a log, points that look like degrees."""
         return self.motion.trajectory.doubts or unit_doubts(self.motion.robot, self.motion.trajectory)
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What is doubtful in the robot's data, which the verdict rests on; see `puma_septic.doctor`."""
+        return doubts(self.motion.robot)
 
     @property
     def not_assessed(self) -> tuple[str, ...]:
@@ -249,7 +275,8 @@ class Assessment:
         undecided = (f"undecided: {doubt}" for doubt in self.undecided)
         return (
             *undecided,
-            *doubts(robot),
+            *self.doubts,
+            *_below_base_remarks(self),
             *robot.notes,
             *_static_friction_remarks(self),
             *_friction_step_remarks(self),
@@ -268,8 +295,10 @@ class Assessment:
             "verdict": self.verdict,
             "is_feasible": self.is_feasible,
             "undecided": list(self.undecided),
+            "doubts": list(self.doubts),
             "joints": [self._joint_document(j) for j in range(robot.n_joints)],
             "tool": {key: plain(getattr(self.tool, key)) for key in _TOOL},
+            "lowest": self.lowest.to_dict() | {"floor": self.floor},
             "singularities": [
                 {key: plain(getattr(report, key)) for key in _SINGULARITY} for report in self.tool.singularities
             ],
@@ -306,7 +335,9 @@ class Assessment:
         return view.html(self.to_dict())
 
 
-def assess(what: Motion | Robot, trajectory: Trajectory | None = None, *, dwell: float = 0.0) -> Assessment:
+def assess(
+    what: Motion | Robot, trajectory: Trajectory | None = None, *, dwell: float = 0.0, floor: float | None = None
+) -> Assessment:
     """Hold a motion against the limits of its robot.
 
     Parameters
@@ -317,6 +348,8 @@ def assess(what: Motion | Robot, trajectory: Trajectory | None = None, *, dwell:
         Only with a robot.
     dwell : float
         Rest at the last point before the cycle repeats, s; it counts in the root mean squares.
+    floor : float, optional
+        Height above the base that no joint that carries the tool, and not the tool, may go below, m.
 
     Returns
     -------
@@ -346,7 +379,18 @@ def assess(what: Motion | Robot, trajectory: Trajectory | None = None, *, dwell:
     dwell = checked_number("dwell", dwell, unit="s", at_least=0.0)
     if dwell and not motion.trajectory.rest_after:
         raise InputError(f"dwell = {dwell:g} s: the motion ends moving (rest_after=False), so no rest can follow it")
-    return Assessment(motion=motion, dwell=dwell, **joint_metrics(motion, dwell))
+    if floor is not None:
+        floor = checked_number("floor", floor, unit="m")
+    return Assessment(motion=motion, dwell=dwell, floor=floor, **joint_metrics(motion, dwell))
+
+
+def _below_base_remarks(assessment: Assessment) -> tuple[str, ...]:
+    """That the arm hangs below where it stands; a floor is checked instead."""
+    lowest = assessment.lowest
+    if assessment.floor is not None or lowest.height >= _BELOW_BASE:
+        return ()
+    below = f"{-lowest.height:.3g} m below the base, at {lowest.time:.3f} s"
+    return (f"the arm hangs low: {lowest.part} comes {below}; a floor would forbid it",)
 
 
 def _static_friction_remarks(assessment: Assessment) -> tuple[str, ...]:

@@ -126,5 +126,6 @@ def _compared(resolved: ResolvedTask, arguments: Namespace) -> Comparison:
         profiles=wanted,
         options=options,
         dwell=resolved.task.dwell,
+        floor=resolved.task.floor,
         **objectives,
     )

@@ -40,7 +40,7 @@ def assessed_text(
 
     From verbosity 1 on with the tables of each assessment, and with each remark once; from 2 on with all of each.
     """
-    parts = [_head(resolved), side_by_side(assessments)]
+    parts = [_head(resolved, assessments), side_by_side(assessments)]
     if resolved.has_poses and not resolved.branch.is_within_limits:
         parts.append(branches_text(resolved) if verbosity else wrapped(_reason(resolved)))
     if margin:
@@ -76,17 +76,19 @@ def turned_text(resolved: ResolvedTask, assessments: Sequence[Assessment]) -> st
     """A second task, shorter."""
     name = resolved.task.name
     table = profiles.text([one.to_dict() for one in assessments], profile_labels(assessments))
-    return "\n".join([_rule(f"Compare: {name}"), table, f"Full report: puma-septic assess {name}"])
+    doubts = [wrapped(text)] if (text := profiles.doubts_text([one.to_dict() for one in assessments])) else []
+    return "\n".join([_rule(f"Compare: {name}"), table, *doubts, f"Full report: puma-septic assess {name}"])
 
 
 def side_by_side(assessments: Sequence[Assessment]) -> str:
     """The profiles side by side, one row each."""
-    table = profiles.text([one.to_dict() for one in assessments], profile_labels(assessments))
+    documents = [one.to_dict() for one in assessments]
+    table = profiles.text(documents, profile_labels(assessments))
     note = (
         "The largest among the joints: velocity and torque in per cent of their limits, jerk in rad/s^3, and"
         " overshoot beyond the points in rad."
     )
-    return table + "\n" + wrapped(note)
+    return "\n".join([table, *(wrapped(text) for text in (note, profiles.doubts_text(documents)) if text)])
 
 
 def branches_text(resolved: ResolvedTask) -> str:
@@ -134,7 +136,7 @@ def _excess(resolved: ResolvedTask, branch: Branch) -> str:
     return "; ".join(texts) or "none"
 
 
-def _head(resolved: ResolvedTask) -> str:
+def _head(resolved: ResolvedTask, assessments: Sequence[Assessment]) -> str:
     task, robot = resolved.task, resolved.robot
     section = task.robot
     sets = [
@@ -150,8 +152,8 @@ def _head(resolved: ResolvedTask) -> str:
     ]
     if resolved.has_poses:
         lines.append(f"Branch: {resolved.branch.configuration}{_choice(resolved)}")
-    if resolved.lowest:
-        lines.append(f"Lowest point: {resolved.lowest}")
+    lowest = min((one.lowest for one in assessments), key=lambda one: round(one.height, 9))
+    lines.append(f"Lowest point: {view.lowest_text(lowest.to_dict())}. {resolved.lowest}".rstrip())
     return "\n".join(wrapped(line) for line in lines)
 
 

@@ -27,6 +27,7 @@ def compare(
     options: Mapping[str, Mapping[str, Any]] | None = None,
     beside: Mapping[str, Trajectory] | None = None,
     dwell: float = 0.0,
+    floor: float | None = None,
     objectives: Sequence[str] = ("integral_of_squared_jerk", "overshoot", "via_miss"),
 ) -> Comparison:
     """Run all suitable profiles through the same points and measure each exactly.
@@ -47,6 +48,8 @@ def compare(
         Other motions of the robot to be measured with them, such as a recorded one, by name.
     dwell : float
         Rest after the motion, in the root mean squares, s.
+    floor : float, optional
+        Height above the base that the arm must stay above, m.
     objectives : sequence of str
         By which Pareto-optimal profiles are marked; names as in `puma_septic.objectives.OBJECTIVES`.
 
@@ -79,7 +82,10 @@ def compare(
     if not made:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in unsuitable.items())
         raise InputError(f"no profile suits these points and times: {reasons}")
-    candidates = {name: Candidate(trajectory=trajectory, robot=robot, dwell=dwell) for name, trajectory in made.items()}
+    candidates = {
+        name: Candidate(trajectory=trajectory, robot=robot, dwell=dwell, floor=floor)
+        for name, trajectory in made.items()
+    }
     rows = tuple(
         ComparedProfile(
             name=name,

@@ -141,7 +141,7 @@ class ComparedProfile:
             "joints": plain(self.per_joint),
             "is_feasible": self.assessment.is_feasible,
             "undecided": list(self.assessment.undecided),
-            "checks": [check.to_dict() for check in self.assessment.checks],
+            "checks": [check.to_dict() for check in self.assessment.all_checks],
             "violations": [str(check) for check in self.assessment.violations],
             "singularities_crossed": dict(self.singularities_crossed),
             "notes": list(self.notes),
@@ -198,6 +198,7 @@ class Comparison:
             "profiles": [row.to_dict() for row in self.profiles],
             "unsuitable": dict(self.unsuitable),
             "not_assessed": list(self.profiles[0].assessment.not_assessed),
+            "doubts": list(self.profiles[0].assessment.doubts),
         }
 
     def to_csv(self) -> str:

@@ -3,7 +3,7 @@
 from puma_septic.kinematics._chain import chain_to, checked_joint_values
 from puma_septic.kinematics._closed_form import has_closed_form, is_puma
 from puma_septic.kinematics._forward import ToolMotion, forward_kinematics, jacobian, tool_derivatives, tool_motion
-from puma_septic.kinematics._heights import LowestPoints, lowest_points
+from puma_septic.kinematics._heights import LowestPoints, height_parts, heights, lowest_points
 from puma_septic.kinematics._inverse import (
     IkBatch,
     IkSolutions,
@@ -26,6 +26,8 @@ __all__ = [
     "checked_poses",
     "forward_kinematics",
     "has_closed_form",
+    "height_parts",
+    "heights",
     "inverse_kinematics",
     "inverse_kinematics_batch",
     "is_puma",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +12,10 @@ from puma_septic.kinematics._chain import chain_to, checked_joint_values, frames
 from puma_septic.robot import Robot
 from puma_septic.validation import Array, read_only
 
-__all__ = ["LowestPoints", "lowest_points"]
+__all__ = ["LowestPoints", "height_parts", "heights", "lowest_points"]
+
+# m; parts this near to the lowest are as low.
+_SAME: Final = 1e-9
 
 
 @final
@@ -62,16 +65,27 @@ def lowest_points(robot: Robot, q: ArrayLike) -> LowestPoints:
     >>> lowest.height.round(4).tolist(), lowest.parts
     ([0.3177], ('joint4',))
     """
-    values = checked_joint_values(robot, "q", q)
+    each = heights(robot, checked_joint_values(robot, "q", q))
+    least = each.min(axis=1)
+    # Of parts in one place, such as the joints of a wrist, the first, whatever rounding says.
+    which = np.argmax(each <= least[:, None] + _SAME, axis=1)
+    names = height_parts(robot)
+    return LowestPoints(height=least, parts=tuple(names[k] for k in which))
+
+
+def height_parts(robot: Robot) -> tuple[str, ...]:
+    """What `heights` is of: the joints that carry the tool, but for the first, and the tool frame."""
+    return (*(robot.joint_names[column] for column in chain_to(robot).columns[1:]), robot.tool)
+
+
+def heights(robot: Robot, q: Array) -> Array:
+    """Heights of `height_parts` above the world's origin, m, shape (n, n_parts), for q of shape (n, n_joints)."""
     chain = chain_to(robot)
     gravity = np.asarray(robot.model.gravity.linear, dtype=float)
     size = float(np.linalg.norm(gravity))
     up = -gravity / size if size else np.array([0.0, 0.0, 1.0])
-    names, heights, frame = [], [], np.eye(4, 3)[:, :, None]
-    for column, frame in zip(chain.columns, frames(chain, values.T), strict=True):
-        names.append(robot.joint_names[column])
-        heights.append(up @ np.broadcast_to(frame[3], (3, len(values))))
+    rows, frame = [], np.eye(4, 3)[:, :, None]
+    for frame in frames(chain, q.T):
+        rows.append(up @ np.broadcast_to(frame[3], (3, len(q))))
     tool = np.tensordot(chain.end[:, 3], frame, axes=1)
-    names, heights = [*names[1:], robot.tool], [*heights[1:], up @ np.broadcast_to(tool, (3, len(values)))]
-    which = np.argmin(heights, axis=0)
-    return LowestPoints(height=np.min(heights, axis=0), parts=tuple(names[k] for k in which))
+    return np.column_stack([*rows[1:], up @ np.broadcast_to(tool, (3, len(q)))])

@@ -207,6 +207,8 @@ def inverse_kinematics(
     NoSolution
         Out of reach; with the nearest `q`, what it leaves over, and for a PUMA how far out of reach the pose
         is. For fewer joints than conditions the message says so, and what to give instead.
+    ModelError
+        Where no joint carries the tool.
 
     Examples
     --------
@@ -219,6 +221,10 @@ def inverse_kinematics(
     >>> solutions.extent
     'all 8 branches'
     """
+    if not len(chain_to(robot).columns):
+        raise ModelError(
+            f"no joint of {robot.name!r} carries the tool {robot.tool!r}: choose another frame as the tool"
+        )
     checked_array("T_world_tool", T_world_tool, (4, 4))
     allowed = checked_number("tolerance", tolerance, at_least=0.0)
     target = checked_poses("T_world_tool", np.asarray(T_world_tool, dtype=float)[None], tolerance=allowed)

@@ -64,10 +64,21 @@ class Case:
 
     @property
     def word(self) -> str:
-        """The verdict in one word."""
+        """The verdict in a word, and that it rests on doubtful data if it does."""
         if any(one.undecided for one in self.assessments):
             return "undecided"
-        return "feasible" if self.is_feasible else "infeasible"
+        word = "feasible" if self.is_feasible else "infeasible"
+        return f"{word}, on doubtful data" if self.doubts else word
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What the verdict rests on and should not be trusted."""
+        return tuple(dict.fromkeys(doubt for one in self.assessments for doubt in one.doubts))
+
+    @property
+    def colour(self) -> str:
+        """The style of the verdict: never the colour of what is good where the data are doubtful."""
+        return "bad" if not self.is_feasible else "doubtful" if self.doubts else "good"
 
 
 def case_of(what: Reported, title: str | None) -> Case:

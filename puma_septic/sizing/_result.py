@@ -9,6 +9,7 @@ from typing import Any, final
 import numpy as np
 
 from puma_septic.cycle import Cycle
+from puma_septic.doctor import doubts
 from puma_septic.document import SCHEMAS, plain
 from puma_septic.drives import Drivetrain
 from puma_septic.limit_check import LimitCheck, most_used_first
@@ -133,7 +134,7 @@ class Sizing:
         lines = [self.cycle.why_not_periodic] if self.cycle.why_not_periodic else []
         for demands in self.demands:
             lines += [f"{demands.load.joint}: {assumption}" for assumption in demands.train.assumptions]
-        lines += position_remarks(self.cycle)
+        lines += [*doubts(self.cycle.robot), *position_remarks(self.cycle)]
         return (*lines, "at rest, static friction may carry load; it is taken as 0 and the gears as lossless")
 
     def motor_load_profile(self, joint: str, *, step: float = 0.01) -> MotorLoadProfile:

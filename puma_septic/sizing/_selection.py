@@ -9,6 +9,7 @@ from typing import Any, Final, final
 import numpy as np
 
 from puma_septic.cycle import Cycle
+from puma_septic.doctor import doubts
 from puma_septic.document import SCHEMAS, plain
 from puma_septic.drives import Catalogue
 from puma_septic.errors import InputError
@@ -94,7 +95,7 @@ class Selection:
         """Notes, columns of the catalogue that no check uses, and what no choice of drives mends."""
         unused = self.catalogue.unused
         columns = (f"read but not used: {', '.join(unused)}",) if unused else ()
-        return (*self.notes, *columns, *position_remarks(self.cycle))
+        return (*self.notes, *columns, *doubts(self.cycle.robot), *position_remarks(self.cycle))
 
     def __str__(self) -> str:
         title = f"{self.cycle.robot.name}, cycle of {self.cycle.duration:g} s, by {self.rank}: {self.verdict}"

@@ -175,7 +175,10 @@ def assess_task(task: Task | ResolvedTask) -> tuple[Assessment, ...]:
     [False, False, False]
     """
     resolved = task if isinstance(task, ResolvedTask) else resolve_task(task)
-    return tuple(assess(resolved.robot, trajectory, dwell=resolved.task.dwell) for trajectory in resolved.trajectories)
+    return tuple(
+        assess(resolved.robot, trajectory, dwell=resolved.task.dwell, floor=resolved.task.floor)
+        for trajectory in resolved.trajectories
+    )
 
 
 def _robot(task: Task) -> Robot:

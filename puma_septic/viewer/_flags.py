@@ -7,8 +7,9 @@ from typing import Literal, final
 
 import numpy as np
 
-from puma_septic.assessment import Assessment
-from puma_septic.limit_check import LimitCheck
+from puma_septic.assessment import Assessment, height_series
+from puma_septic.kinematics import height_parts
+from puma_septic.limit_check import HEIGHT, LimitCheck
 from puma_septic.piecewise import Piecewise
 
 __all__ = ["Flag", "flags_of"]
@@ -51,10 +52,7 @@ def flags_of(assessment: Assessment) -> tuple[Flag, ...]:
 
 def _spans(assessment: Assessment, check: LimitCheck) -> tuple[tuple[float, float], ...]:
     """While the joint's quantity is beyond its bounds: from the roots of their difference, not from a grid."""
-    motion = assessment.motion
-    j = motion.robot.joint_index(check.joint)
-    one = motion.signal(check.quantity)[j]
-    low, high = motion.robot.limits.position[j] if check.is_range else (-check.limit, check.limit)
+    one, (low, high) = _bounded(assessment, check)
     excesses = [
         sign * (one - Piecewise.constant([bound], one.duration, start=one.start))
         for sign, bound in ((1, high), (-1, low))
@@ -62,3 +60,14 @@ def _spans(assessment: Assessment, check: LimitCheck) -> tuple[tuple[float, floa
     ]
     spans = [zip(*excess.positive_spans(), strict=True) for excess in excesses]
     return tuple(sorted((float(start), float(end)) for found in spans for start, end in found))
+
+
+def _bounded(assessment: Assessment, check: LimitCheck) -> tuple[Piecewise, tuple[float, float]]:
+    """What was checked as a function of time, and its bounds; NaN or infinite where there is none."""
+    motion = assessment.motion
+    robot = motion.robot
+    if check.quantity == HEIGHT:
+        return height_series(motion)[height_parts(robot).index(check.joint)], (check.limit, np.nan)
+    j = robot.joint_index(check.joint)
+    low, high = robot.limits.position[j].tolist() if check.is_range else (-check.limit, check.limit)
+    return motion.signal(check.quantity)[j], (low, high)

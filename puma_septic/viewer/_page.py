@@ -100,6 +100,7 @@ def _motion_data(one: Shown, k: int) -> dict[str, Any]:
         "tool": robot.tool,
         "verdict": one.assessment.verdict,
         "feasible": one.assessment.is_feasible,
+        "doubtful": bool(one.assessment.doubts),
         "colour": as_hex(profile_colour(k)),
         "joints": list(robot.joint_names),
         "times": _rounded(one.times),

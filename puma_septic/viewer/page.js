@@ -51,7 +51,7 @@
     if (several) make("span", label, undefined, "swatch").style.background = motion.colour;
     else toggle.hidden = true;
     make("span", label, motion.label + (several ? (k ? " (ghost)" : " (solid)") : ""));
-    make("p", box, motion.verdict, motion.feasible ? "good" : "bad");
+    make("p", box, motion.verdict, !motion.feasible ? "bad" : motion.doubtful ? "doubtful" : "good");
     if (motion.payload) make("p", box, "carries " + motion.payload);
     return toggle;
   });

@@ -13,7 +13,7 @@ from puma_septic.quantities import MOTION, QUANTITIES, Quantity
 from puma_septic.views.checks import read_checks
 from puma_septic.views.tables import Cell, html_table, text_table
 
-__all__ = ["html", "joints_text", "listed", "lists", "metrics_csv", "tables", "text"]
+__all__ = ["html", "joints_text", "listed", "lists", "lowest_text", "metrics_csv", "tables", "text"]
 
 Document = Mapping[str, Any]
 
@@ -96,6 +96,13 @@ def metrics_csv(assessed: Sequence[tuple[str, str, Document]]) -> str:
 
 def _head(document: Document, rest: str = "") -> str:
     return f"{document['robot']}, {document['profile']}, {document['duration']:g} s{rest}: {document['verdict']}"
+
+
+def lowest_text(lowest: Document) -> str:
+    """Which part of the arm comes how low, and when."""
+    height = numeric(lowest["height"])
+    side = "below" if height < 0 else "above"
+    return f"{lowest['part']}, {abs(height):.3f} m {side} the base at {numeric(lowest['time']):.3f} s"
 
 
 def lists(document: Document) -> dict[str, list[str]]:
@@ -197,6 +204,7 @@ def _tool_text(document: Document) -> str:
         f"Tool {document['tool_frame']!r}: speed up to {tool['peak_speed']:.3f} m/s at {tool['peak_speed_time']:.3f} s,"
         f" {reached}, height {low:.3f} to {high:.3f} m"
     ]
+    parts.append(f"Lowest point: {lowest_text(document['lowest'])}")
     for report in document["singularities"]:
         if report["crossings"]:
             times = ", ".join(f"{time:.3f}" for time in report["crossings"])

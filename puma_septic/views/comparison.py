@@ -97,6 +97,7 @@ def _remarks(document: Document) -> dict[str, list[str]]:
             crossing.setdefault(kinds, []).append(row["name"])
     remarks = {
         "Undecided:": list(dict.fromkeys(doubt for row in document["profiles"] for doubt in row["undecided"])),
+        "Doubtful data, which all of this rests on:": document["doubts"],
         "Not assessed:": document["not_assessed"],
         "Singular postures crossed:": [f"{kinds}: {', '.join(names)}" for kinds, names in crossing.items()],
         "Left out:": [f"{name}: {reason}" for name, reason in document["unsuitable"].items()],

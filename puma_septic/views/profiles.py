@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import isfinite, isinf
 from typing import Any, Final
 
 from puma_septic.document import numeric
-from puma_septic.limit_check import LimitCheck
+from puma_septic.limit_check import HEIGHT, LimitCheck
 from puma_septic.views.checks import percent, read_checks
 from puma_septic.views.tables import Cell, html_table, text_table
 
-__all__ = ["html", "sentence", "text"]
+__all__ = ["doubts_text", "html", "sentence", "text"]
 
 Document = Mapping[str, Any]
 
+# Behind a verdict that rests on doubtful data.
+_DOUBTFUL: Final = "(?)"
 _HEADERS: Final = ("profile", "verdict", "governing limit", "velocity", "torque")
 
 
@@ -21,6 +24,12 @@ def text(documents: Sequence[Document], labels: Sequence[str]) -> str:
     """One row for each profile."""
     rows = [_row(document, label) for label, document in zip(labels, documents, strict=True)]
     return text_table([*_HEADERS, "jerk", "overshoot"], rows)
+
+
+def doubts_text(documents: Sequence[Document]) -> str:
+    """What the verdicts that the table marks rest on; empty where nothing is doubtful."""
+    found = dict.fromkeys(doubt for document in documents for doubt in document["doubts"])
+    return f"{_DOUBTFUL} The verdict rests on doubtful data: {'; '.join(found)}." if found else ""
 
 
 def html(documents: Sequence[Document], labels: Sequence[str]) -> str:
@@ -50,10 +59,11 @@ def _row(document: Document, label: str) -> list[Cell]:
     governing = "none known"
     if document["governing"] is not None:
         worst = LimitCheck.from_dict(document["governing"])
-        governing = f"{worst.joint} {worst.label} {percent(worst.utilisation)}"
+        use = "violated" if isfinite(worst.demand) and isinf(worst.utilisation) else percent(worst.utilisation)
+        governing = f"{worst.joint} {worst.label} {use}"
     return [
         label,
-        "undecided" if document["undecided"] else "feasible" if document["is_feasible"] else "infeasible",
+        _verdict(document),
         governing,
         _most(document, "velocity"),
         _most(document, "effort"),
@@ -61,8 +71,17 @@ def _row(document: Document, label: str) -> list[Cell]:
     ]
 
 
+def _verdict(document: Document) -> str:
+    if document["undecided"]:
+        return "undecided"
+    word = "feasible" if document["is_feasible"] else "infeasible"
+    return f"{word} {_DOUBTFUL}" if document["doubts"] else word
+
+
 def _checks(document: Document) -> list[LimitCheck]:
-    return [check for joint in document["joints"] for check in read_checks(joint["checks"])]
+    found = [check for joint in document["joints"] for check in read_checks(joint["checks"])]
+    floor = [check for check in read_checks(document["violations"]) if check.quantity == HEIGHT]
+    return [*found, *floor]
 
 
 def _most(document: Document, quantity: str) -> str:

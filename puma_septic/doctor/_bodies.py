@@ -70,6 +70,11 @@ class Body:
     axial_moment: float
 
     @property
+    def is_bare(self) -> bool:
+        """Whether no joint and no frame away from its joint's origin says how large it is."""
+        return self.size == 0.0
+
+    @property
     def largest_moment(self) -> float:
         """The largest that counts, kg m^2."""
         return self.axial_moment if self.is_first else float(self.moments[2])
@@ -147,12 +152,14 @@ def _gyration(parts: Sequence[Body], heavy: Sequence[Body]) -> Iterator[Finding]
     reach = _reach(parts)
     large, small = [], []
     for body in heavy:
-        size = max(body.size, float(np.linalg.norm(body.com)), _LEAST_SIZE * reach)
+        # What ends a branch without a frame, such as a wheel or a finger, may be of any size.
+        least = reach if body.is_bare else _LEAST_SIZE * reach
+        size = max(body.size, float(np.linalg.norm(body.com)), least)
         radius = float(np.sqrt(max(0.0, body.largest_moment) / body.mass))
         text = f"{radius:.3g} m in a link of some {size:.2g} m"
         if radius > _LARGE * size:
             large.append((body.link, text))
-        elif radius < _SMALL * size and not body.is_first:
+        elif radius < _SMALL * size and not body.is_first and not body.is_bare:
             small.append((body.link, text))
     yield from _each("inertia_large", "doubtful", "radius of gyration too large", large)
     yield from _each("inertia_small", "doubtful", "radius of gyration too small, as of a point mass", small)

@@ -45,9 +45,9 @@ def limit_findings(robot: Robot) -> Iterator[Finding]:
 def _efforts(robot: Robot) -> Iterator[Finding]:
     effort = robot.limits.effort
     yield from _listed(robot, "no_effort", "no effort limit (or 0)", np.isnan(effort))
-    yield from _listed(
-        robot, "effort_placeholder", "effort limit, a placeholder?", _is_placeholder(effort, 1e3), effort
-    )
+    # A force of 1000 N is nothing special, a torque of 1000 N m is.
+    suspects = _is_placeholder(effort, 1e3) & ~robot.is_prismatic
+    yield from _listed(robot, "effort_placeholder", "effort limit, a placeholder?", suspects, effort)
     if _all_equal(effort):
         message = f"all {len(effort)} joints have the same effort limit, {effort[0]:.4g} N m: a placeholder?"
         yield Finding(code="effort_equal", severity="doubtful", parts=robot.joint_names, message=message)
@@ -84,7 +84,9 @@ def _velocities(robot: Robot) -> Iterator[Finding]:
     yield from _listed(robot, "velocity_high", "velocity limit (degrees per second?)", velocity > fastest, velocity)
     yield from _listed(robot, "velocity_low", "velocity limit, next to standstill", velocity < _SLOWEST, velocity)
     same = _all_equal(velocity) and _is_placeholder(velocity[:1], 10.0)[0]
-    suspects = np.full(len(velocity), True) if same else velocity == 1.0
+    # One joint alone may well have 1 rad/s, as the second of Franka's FR3.
+    ones = (velocity == 1.0) & ((velocity == 1.0).sum() >= 0.5 * len(velocity))
+    suspects = np.full(len(velocity), True) if same else ones
     suspects &= velocity <= fastest  # the others are told above
     yield from _listed(robot, "velocity_placeholder", "velocity limit, a placeholder?", suspects, velocity)
 

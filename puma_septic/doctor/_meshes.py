@@ -55,7 +55,7 @@ def _hull_volumes(robot: Robot) -> dict[str, float]:
         vertices = getattr(shape.geometry, "vertices", None)
         if vertices is not None and shape.parentJoint:
             name = robot.bare_model.names[shape.parentJoint]
-            volumes[name] = volumes.get(name, 0.0) + _hull_volume(vertices() * shape.meshScale)
+            volumes[name] = volumes.get(name, 0.0) + _hull_volume(vertices())  # scaled already
     return volumes
 
 

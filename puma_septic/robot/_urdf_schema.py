@@ -201,7 +201,7 @@ def _asymmetric(text: UrdfText, element: ET.Element, part: ET.Element | None) ->
             yield Finding(
                 text=text.at(element, f"unknown attribute {lower!r}; did you mean {upper!r}?"), kind="refusal"
             )
-        elif lower in element.attrib and element.attrib[lower].split() != element.attrib[upper].split():
+        elif lower in element.attrib and not _is_same_number(element.attrib[lower], element.attrib[upper]):
             message = f"{lower}={element.get(lower)!r} is not {upper}={element.get(upper)!r}; a tensor is symmetric"
             yield _wrong(text, element, message, part)
 
@@ -285,6 +285,11 @@ def _no_numbers(count: int, value: str) -> str:
         if not NUMBER.fullmatch(word) or not math.isfinite(float(word)):
             return f"{word!r} is not a finite number such as 0.5 or 1e-3"
     return ""
+
+
+def _is_same_number(one: str, other: str) -> bool:
+    """Whether two texts are one number, -0 being 0; what is no number is told elsewhere."""
+    return bool(_no_numbers(1, one) or _no_numbers(1, other)) or float(one) == float(other)
 
 
 def _no_name(element: ET.Element) -> str:

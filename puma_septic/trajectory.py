@@ -61,6 +61,8 @@ class Trajectory:
         nothing in any motion.
     doubts : tuple of str
         What must be settled before a verdict, such as the noise or the units of a log; none of a planned motion.
+    remarks : tuple of str
+        What else is to be known of it beside every verdict, such as what the samples of a log leave unknown.
 
     Raises
     ------
@@ -84,6 +86,7 @@ class Trajectory:
     rest_after: bool = True
     resolution: ArrayLike = 0.0
     doubts: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         times = checked_times("times", self.times)

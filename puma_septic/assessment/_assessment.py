@@ -275,6 +275,7 @@ class Assessment:
         undecided = (f"undecided: {doubt}" for doubt in self.undecided)
         return (
             *undecided,
+            *self.motion.trajectory.remarks,
             *self.doubts,
             *_below_base_remarks(self),
             *robot.notes,

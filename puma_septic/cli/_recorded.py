@@ -21,6 +21,7 @@ from puma_septic.measurement import MeasuredTorque, TorqueBand, compare_measured
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.report import named_metrics_csv, new_folder, profile_labels, samples_csv, to_json
 from puma_septic.robot import Payload, Robot, load_robot
+from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array
 from puma_septic.views.tables import number
 
@@ -28,18 +29,20 @@ __all__ = ["Recorded", "recorded", "run_log", "told"]
 
 # A step this many times the usual one is a gap, over which a spline would invent a motion.
 _GAP: Final = 10
+# A band of torque that is narrower than this part of the torque is not printed.
+_KNOWN: Final = 1e-4
 
 
 @final
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Recorded:
-    """A file's motion on the asked robot, and what its samples leave unknown; `band` is None without noise."""
+    """A file's motion on the asked robot, and what its samples leave unknown."""
 
     path: str
     log: JointLog
     fit: LogFit
     motion: Motion
-    band: TorqueBand | None
+    band: TorqueBand
     smoothing: str | float | None
 
     @property
@@ -75,12 +78,16 @@ def recorded(arguments: Namespace) -> Recorded:
         bounds=robot.limits.position,
     )
     motion = compute_motion(robot, fit.trajectory)
-    band = torque_band(motion, fit) if fit.noise.any() else None
-    doubts = () if band is None else limit_doubts(motion, fit, band)
-    if doubts:
-        doubted = replace(fit.trajectory, doubts=(*fit.trajectory.doubts, *doubts))
-        motion = replace(motion, trajectory=doubted)
+    band = torque_band(motion, fit)
+    motion = replace(motion, trajectory=_judged(fit, limit_doubts(motion, fit, band)))
     return Recorded(path=str(arguments.csv), log=log, fit=fit, motion=motion, band=band, smoothing=arguments.smoothing)
+
+
+def _judged(fit: LogFit, doubts: tuple[str, ...]) -> Trajectory:
+    """The motion in doubt where a limit lies within what the samples leave unknown, not for the noise alone."""
+    trajectory = fit.trajectory
+    answered = (doubt for doubt in trajectory.doubts if doubt not in fit.questions)
+    return replace(trajectory, doubts=(*doubts, *fit.questions), remarks=(*answered, *trajectory.remarks))
 
 
 def run_log(arguments: Namespace) -> Answer:
@@ -163,7 +170,7 @@ def _noise_lines(what: Recorded) -> list[str]:
     if fit.wraps.any():
         turns = (f"{joints[j]} {fit.wraps[j]}" for j in np.flatnonzero(fit.wraps))
         lines.append(f"Jumps by a turn that were taken out: {', '.join(turns)}")
-    if what.band is not None:
+    if fit.noise.any() or what.band.relative_width > _KNOWN:
         for name, (least, greatest) in (("Peak", what.band.peak), ("RMS", what.band.rms)):
             spans = (
                 f"{joint} {low:.4g} to {high:.4g}" for joint, low, high in zip(joints, least, greatest, strict=True)
@@ -224,7 +231,7 @@ def _document(what: Recorded, assessment: Assessment, measured: list[MeasuredTor
         "resolution": np.asarray(trajectory.resolution).tolist(),
         "unwrapped": fit.wraps.tolist(),
         "residual": {"max": residual.max.tolist(), "rms": residual.rms.tolist()},
-        "band": None if what.band is None else what.band.to_dict(),
+        "band": what.band.to_dict(),
         "measured": [one.to_dict() for one in measured],
         "assessment": assessment.to_dict(),
     }

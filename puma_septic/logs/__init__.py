@@ -2,9 +2,10 @@
 
 from puma_septic.logs._file import JointLog, read_csv_trajectory, read_log
 from puma_septic.logs._fit import FitResidual, LogFit, fit_log, fit_residual, fit_samples, fit_trajectory
+from puma_septic.logs._spread import unresolved
 from puma_septic.logs._stops import stops
 
 __all__ = [
     "FitResidual", "JointLog", "LogFit", "fit_log", "fit_residual", "fit_samples", "fit_trajectory",
-    "read_csv_trajectory", "read_log", "stops",
+    "read_csv_trajectory", "read_log", "stops", "unresolved",
 ]  # fmt: skip

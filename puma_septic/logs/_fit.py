@@ -16,6 +16,7 @@ from scipy.interpolate import BSpline
 from scipy.linalg import solve_banded
 
 from puma_septic.errors import InputError
+from puma_septic.logs._breaks import find_breaks
 from puma_septic.logs._clock import even_stamps
 from puma_septic.logs._ends import Ends, EndsRule, ends_of
 from puma_septic.logs._file import JointLog
@@ -25,12 +26,11 @@ from puma_septic.logs._spline import (
     DEGREE,
     as_piecewise,
     as_spline,
-    interpolated,
     knots_on,
     least_squares,
     merged_columns,
 )
-from puma_septic.logs._spread import Spread, noise_doubts
+from puma_septic.logs._spread import Spread, sample_doubts, sample_remarks, through
 from puma_septic.logs._suspicions import suspicions
 from puma_septic.profiles import quintic
 from puma_septic.trajectory import Trajectory
@@ -44,9 +44,7 @@ _MOST_INTERVALS: Final = 10_000
 _OF_STEP: Final = 0.1
 # Rows further apart than this, s, see no rest.
 _LONG_STEP: Final = 1.0
-# Samples below which every other one does not make a spline.
-_FEWEST: Final = 7
-_HALVED: Final = 4.0
+# Part of a position that its arithmetic leaves.
 _ROUNDING: Final = 1e-14
 # A slope of squared residuals over squared speeds that is this many standard errors above zero is jitter of the stamps.
 _CERTAIN: Final = 4.0
@@ -79,9 +77,11 @@ class LogFit:
     Attributes
     ----------
     trajectory : Trajectory
-        Its `notes` tell how it was made, its `doubts` what must be settled before a verdict.
+        Its `doubts` tell what must be settled before a verdict, its `remarks` what else the samples leave unknown.
     spread : Spread
         The spline, the noise, and what the noise leaves unknown.
+    questions : tuple of str
+        Those of the trajectory's doubts that no band of torque answers.
     jitter : float
         Standard deviation of the stamps from the instants of sampling, s; 0 where none is seen (only smoothing by
         "auto" tells it from noise).
@@ -93,6 +93,7 @@ class LogFit:
 
     trajectory: Trajectory
     spread: Spread
+    questions: tuple[str, ...]
     jitter: float
     encoder_step: Array
     wraps: NDArray[np.int64]
@@ -224,6 +225,10 @@ def fit_samples(
     noise = np.maximum(noise, step / np.sqrt(12))
     found = ends_of(t, q, noise, step, ends)
     spread, jitter = _fitted(t, q, noise, smoothing, found, labels)
+    questions = (
+        *_steps_of_velocity(spread, labels),
+        *suspicions(t, q, labels, bounds=bounds, units_stated=units_stated),
+    )
     trajectory = Trajectory(
         position=as_piecewise(spread.spline, float(times[0]), np.ptp(q, axis=0) == 0),
         points=q,
@@ -233,12 +238,12 @@ def fit_samples(
         resolution=_resolution(t, spread) if resolution is None else _per_joint("resolution", resolution, n),
         rest_before=found.rests[0],
         rest_after=found.rests[1],
-        doubts=(
-            *noise_doubts(spread, labels),
-            *suspicions(t, q, labels, bounds=bounds, units_stated=units_stated),
-        ),
+        doubts=(*sample_doubts(spread, labels), *questions),
+        remarks=sample_remarks(spread, labels),
     )
-    return LogFit(trajectory=trajectory, spread=spread, jitter=jitter, encoder_step=step, wraps=wraps)
+    return LogFit(
+        trajectory=trajectory, spread=spread, questions=questions, jitter=jitter, encoder_step=step, wraps=wraps
+    )
 
 
 def fit_log(
@@ -294,6 +299,20 @@ def fit_residual(trajectory: Trajectory) -> FitResidual:
     return FitResidual(max=np.abs(difference).max(axis=0), rms=np.sqrt((difference**2).mean(axis=0)))
 
 
+def _steps_of_velocity(spread: Spread, labels: Sequence[str]) -> list[str]:
+    """Whether a velocity really steps, or changes within one step of time, the samples cannot tell."""
+    steps = [
+        (one.time, label) for some, label in zip(spread.breaks, labels, strict=False) for one in some if one.order == 1
+    ]
+    if not steps:
+        return []
+    time, label = min(steps)
+    return [
+        f"a step of velocity? {label} changes its velocity within one step of time at {time:.6g} s: the acceleration"
+        " there is not known"
+    ]
+
+
 def _per_joint(name: str, value: ArrayLike, n: int) -> Array:
     """A value for each joint; one holds for all."""
     return np.broadcast_to(checked_array(name, value, () if np.ndim(value) == 0 else (n,)), (n,))
@@ -301,7 +320,10 @@ def _per_joint(name: str, value: ArrayLike, n: int) -> Array:
 
 def _resolution(t: Array, spread: Spread) -> Array:
     """Travel that counts as rest; none where rows are too far apart to tell a rest from a motion."""
-    return spread.travel_at_rest if np.median(np.diff(t)) <= _LONG_STEP else np.zeros(len(spread.noise))
+    if np.median(np.diff(t)) > _LONG_STEP:
+        return np.zeros(len(spread.noise))
+    rounding = _ROUNDING * np.abs(spread.spline(t)).max(axis=0)
+    return np.asarray(np.maximum(spread.travel_at_rest, rounding))
 
 
 def _unwrapped(samples: Array, continuous: ArrayLike | None) -> tuple[Array, NDArray[np.int64]]:
@@ -322,26 +344,10 @@ def _fitted(
     if smoothing is not None:
         allowed = _per_joint("smoothing", smoothing, q.shape[1])
         return _within(t, q, allowed, ends, labels), 0.0
-    if len(t) <= _MOST_INTERVALS:
-        spline = interpolated(t, q, ends.slopes)
-        return Spread(spline=spline, noise=noise, parts=(), between=_between(t, q)), 0.0
     stride = -(-len(t) // _MOST_INTERVALS)
-    return _nearest(t, q, np.append(t[:-1:stride], t[-1]), ends), 0.0
-
-
-def _between(t: Array, q: Array) -> Array:
-    """By how much the spline through the samples may miss the motion between them, (n_joints,).
-
-    The spline through every other sample misses those that it leaves out by more: by 2^6 where the motion is smooth,
-    by 2^2 at a step of the acceleration, which is taken.
-    """
-    if len(t) < 2 * _FEWEST:
-        return np.zeros(q.shape[1])
-    last = len(t) - 1 - (len(t) - 1) % 2
-    coarse = interpolated(t[: last + 1 : 2], q[: last + 1 : 2])
-    missed = np.abs(q[1:last:2] - coarse(t[1:last:2])).max(axis=0) / _HALVED
-    # Below what rounding leaves of positions there is nothing to be seen.
-    return np.where(missed > _ROUNDING * np.abs(q).max(axis=0), missed, 0.0)
+    if stride > 1 and noise.any():
+        return _nearest(t, q, np.append(t[:-1:stride], t[-1]), ends), 0.0
+    return through(t, q, noise, ends.slopes, find_breaks(t, q, noise), stride), 0.0
 
 
 def _smoothed(t: Array, q: Array, ends: Ends) -> tuple[Spread, float]:
@@ -359,7 +365,7 @@ def _smoothed(t: Array, q: Array, ends: Ends) -> tuple[Spread, float]:
         parts = fits()
         spline = as_spline(knots, [part.coefficients for part in parts])
     noise = np.array([part.noise for part in parts])
-    return Spread(spline=spline, noise=noise, parts=parts, is_regularised=True), jitter
+    return Spread(spline=spline, times=t, noise=noise, parts=parts, is_regularised=True), jitter
 
 
 def _jitter(residual: Array, v: Array, noise: Array) -> tuple[float, Array]:
@@ -413,7 +419,7 @@ def _nearest(t: Array, q: Array, breaks: Array, ends: Ends) -> Spread:
         noise = float(np.sqrt((left**2).sum() / free))
         parts.append(Smoothed(coefficients=c, noise=noise, factor=factor, merged=merged))
     spline = as_spline(knots, [part.coefficients for part in parts])
-    return Spread(spline=spline, noise=np.array([part.noise for part in parts]), parts=tuple(parts))
+    return Spread(spline=spline, times=t, noise=np.array([part.noise for part in parts]), parts=tuple(parts))
 
 
 def _through_slopes(

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_interp_spline
-from scipy.linalg import cho_solve_banded, cholesky_banded
+from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
 from scipy.sparse import csr_array
 
+from puma_septic.logs._breaks import Break
 from puma_septic.piecewise import Piecewise
 from puma_septic.validation import Array
 
@@ -25,22 +27,59 @@ DEGREE: Final = 5
 _FEWEST: Final = DEGREE + 2
 
 
-def interpolated(t: Array, q: Array, ends: Array | None = None) -> BSpline:
+def interpolated(t: Array, q: Array, ends: Array | None = None, breaks: Sequence[Sequence[Break]] = ()) -> BSpline:
     """The quintic spline through the samples.
 
     Parameters
     ----------
     t : ndarray, shape (n,)
         From 0, s.
-    q : ndarray, shape (n, m)
-    ends : ndarray, shape (2, 2, m), optional
+    q : ndarray, shape (n, m, ...)
+    ends : ndarray, shape (2, 2, m, ...), optional
         Velocity and acceleration at the start, and at the end; without, the third derivatives beside the first and
         last two inner samples are continuous ("not a knot").
+    breaks : sequence, optional
+        Of each of the m components, where its derivatives may step: knots of so many places there stand for those at
+        the nearest samples.
     """
-    if ends is None:
-        return make_interp_spline(t, q, k=DEGREE)
-    conditions = [[(1, end[0]), (2, end[1])] for end in ends]
-    return make_interp_spline(t, q, k=DEGREE, bc_type=tuple(conditions))
+    if not any(breaks):
+        return make_interp_spline(t, q, k=DEGREE, bc_type=_conditions(ends))
+    splines = [_broken(t, q[:, j], None if ends is None else ends[:, :, j], some) for j, some in enumerate(breaks)]
+    return _side_by_side(splines)
+
+
+def _conditions(ends: Array | None) -> tuple[list[tuple[int, Array]], ...] | None:
+    return None if ends is None else tuple([(1, end[0]), (2, end[1])] for end in ends)
+
+
+def _broken(t: Array, q: Array, ends: Array | None, breaks: Sequence[Break]) -> BSpline:
+    """The spline of one component; where its breaks leave too few samples, without them."""
+    inner = t[3:-3] if ends is None else t[1:-1]
+    kept, extra = np.ones(len(inner), np.bool_), []
+    for one in breaks:
+        places = DEGREE + 1 - one.order
+        near = np.argsort(np.where(kept, np.abs(inner - one.time), np.inf))[:places]
+        kept[near] = False
+        extra += [one.time] * places
+    middle = np.sort(np.concatenate([inner[kept], extra]))
+    knots = np.concatenate([np.repeat(t[0], DEGREE + 1), middle, np.repeat(t[-1], DEGREE + 1)])
+    try:
+        return make_interp_spline(t, q, k=DEGREE, t=knots, bc_type=_conditions(ends))
+    except (ValueError, LinAlgError):
+        return make_interp_spline(t, q, k=DEGREE, bc_type=_conditions(ends))
+
+
+def _side_by_side(splines: Sequence[BSpline]) -> BSpline:
+    """Splines of one component each as one spline on the knots of all."""
+    counts: Counter[float] = Counter()
+    for spline in splines:
+        counts |= Counter(spline.t.tolist())
+    wider = []
+    for spline in splines:
+        for knot, count in (counts - Counter(spline.t.tolist())).items():
+            spline = spline.insert_knot(knot, count)
+        wider.append(spline)
+    return BSpline(wider[0].t, np.stack([spline.c for spline in wider], axis=1), DEGREE)
 
 
 def end_slopes(spline: BSpline) -> Array:

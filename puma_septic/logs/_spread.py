@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final, final
 
 import numpy as np
-from scipy.interpolate import BSpline
+from scipy.interpolate import BSpline, make_interp_spline
 
+from puma_septic.logs._breaks import Break
 from puma_septic.logs._smoothing import Smoothed
 from puma_septic.logs._spline import as_spline, end_slopes, interpolated
 from puma_septic.validation import Array
 
-__all__ = ["Spread", "noise_doubts"]
+__all__ = ["Spread", "sample_doubts", "sample_remarks", "through", "unresolved"]
 
 # Travel of a joint at rest, in standard deviations: of a sample where the spline passes through the samples, of the
 # spline's own deviations where it is smoothed.
@@ -25,6 +27,19 @@ _SPOILT: Final = 0.3
 _DRAWS: Final = 8
 # What is set to zero comes out of the spline's arithmetic as this part of the largest.
 _ZERO: Final = 1e-9
+# Samples in which a coarser spline is worth a comparison.
+_FEWEST: Final = 7
+_CUBIC: Final = 3
+# Times the error that the observed order of convergence tells.
+_CAUTION: Final = 4.0
+_TINY: Final = float(np.finfo(float).tiny)
+# Below what rounding leaves there is nothing to be seen.
+_ROUNDING: Final = 1e-14
+# What the samples leave unknown of the acceleration's peak: told from the first part of it on, no verdict from the
+# other.
+_TOLD, _TOO_MUCH = 1e-4, 0.05
+# A joint whose acceleration is this part of the largest matters no more by what is unknown of it.
+_SLIGHT: Final = 1e-3
 
 
 @final
@@ -36,20 +51,27 @@ class Spread:
     ----------
     spline : BSpline
         From time 0, values of shape (..., n_joints).
+    times : ndarray, shape (k,)
+        Of the samples that it was made from, s.
     noise : ndarray, shape (n_joints,)
         Standard deviation of the noise of a sample, rad (m).
     parts : tuple of Smoothed
         One for each joint where the spline does not pass through the samples, else empty.
-    between : float or ndarray, shape (n_joints,)
-        By how much a spline through the samples may miss the motion between them, rad (m).
+    breaks : tuple
+        Of each joint, where derivatives of a spline through the samples step.
+    coarse : tuple of BSpline
+        Splines through every other, and every fourth of the samples, with the same breaks; empty where there are too
+        few, or where the spline does not pass through the samples.
     is_regularised : bool
         Whether the smoothness was chosen by likelihood, so that little noise is left in the spline itself.
     """
 
     spline: BSpline
+    times: Array
     noise: Array
     parts: tuple[Smoothed, ...]
-    between: Array | float = 0.0
+    breaks: tuple[tuple[Break, ...], ...] = ()
+    coarse: tuple[BSpline, ...] = ()
     is_regularised: bool = False
 
     def draws(self, count: int, *, seed: int = 0) -> BSpline:
@@ -62,17 +84,20 @@ class Spread:
         rng = np.random.default_rng(seed)
         if self.parts:
             return as_spline(self.spline.t, [part.draws(count, rng) for part in self.parts])
-        t, n = np.unique(self.spline.t), len(self.noise)
-        noise = (rng.standard_normal((len(t), n, count)) * self.noise[:, None]).reshape(len(t), -1)
+        t, n = self.times, len(self.noise)
+        noise = rng.standard_normal((len(t), n, count)) * self.noise[:, None]
         # Where the log moves at an end, its slopes there are as unsure as the noise makes them.
         sizes = np.stack([np.abs(self.spline(t, nu=order)).max(axis=0) for order in (1, 2)])
-        known = np.repeat(np.abs(end_slopes(self.spline)) <= _ZERO * sizes, count, axis=2)
-        ends = np.zeros(known.shape) if known.all() else np.where(known, 0.0, end_slopes(interpolated(t, noise)))
-        spline = interpolated(t, noise, ends)
-        return BSpline(spline.t, spline.c.reshape(-1, n, count), spline.k)
+        known = np.abs(end_slopes(self.spline)) <= _ZERO * sizes
+        ends = np.zeros((2, 2, n, count))
+        if not known.all():
+            ends[~known] = end_slopes(interpolated(t, noise, None, self.breaks))[~known]
+        return interpolated(t, noise, ends, self.breaks)
 
     def deviation(self, order: int) -> Array:
         """RMS over time of the deviations of the derivative of an order, shape (n_joints,)."""
+        if not self.noise.any():
+            return np.zeros(len(self.noise))
         values = self.draws(_DRAWS)(self._middles, nu=order)
         return np.asarray(np.sqrt((values**2).mean(axis=(0, 2))))
 
@@ -85,14 +110,94 @@ class Spread:
         breaks = np.unique(self.spline.t)
         return np.asarray((breaks[:-1] + breaks[1:]) / 2)
 
+    def missed(self, order: int) -> Array:
+        """By how much the peak of a derivative may be missed between the samples, (n_joints,); see `unresolved`."""
+        if self.parts:
+            return np.zeros(len(self.noise))
+        return unresolved(*(spline(self.instants, nu=order) for spline in (self.spline, *self.coarse)))
+
+    @property
+    def instants(self) -> Array:
+        """Two within each interval, s: what swings from sample to sample is seen there."""
+        breaks = np.unique(self.spline.t)
+        return np.sort(np.concatenate([breaks[:-1] + part * np.diff(breaks) for part in (0.25, 0.75)]))
+
     @property
     def travel_at_rest(self) -> Array:
         """Travel of the spline that may be none of the joint, rad (m), shape (n_joints,)."""
         noise = _OF_DEVIATIONS * self.deviation(0) if self.parts else _OF_SAMPLES * self.noise
         return np.asarray(np.maximum(noise, self.between))
 
+    @property
+    def between(self) -> Array:
+        """By how much a spline through the samples may miss the motion between them, rad (m), shape (n_joints,)."""
+        return self.missed(0) if self.coarse else np.zeros(len(self.noise))
 
-def noise_doubts(spread: Spread, labels: Sequence[str]) -> tuple[str, ...]:
+
+def through(
+    t: Array, q: Array, noise: Array, ends: Array, breaks: tuple[tuple[Break, ...], ...], stride: int = 1
+) -> Spread:
+    """The spline through every so many of the samples, and those through fewer by which it is judged.
+
+    Parameters
+    ----------
+    ends : ndarray, shape (2, 2, n_joints)
+        Velocity and acceleration at the start, and at the end.
+    """
+
+    def every(step: int) -> BSpline:
+        some = np.append(np.arange(0, len(t) - 1, step), len(t) - 1)
+        return interpolated(t[some], q[some], ends, breaks)
+
+    spline = every(stride)
+    coarse = tuple(every(stride * step) for step in (2, 4) if len(t) >= _FEWEST * stride * step)
+    if not coarse and len(t) > _CUBIC:
+        coarse = (make_interp_spline(t, q, k=_CUBIC),)
+    return Spread(spline=spline, times=t[::stride], noise=noise, parts=(), breaks=breaks, coarse=coarse)
+
+
+def largest(values: Array) -> Array:
+    """Largest magnitude of each column."""
+    return np.asarray(np.abs(values).max(axis=0))
+
+
+def unresolved(fine: Array, *coarse: Array, size: Callable[[Array], Array] = largest) -> Array:
+    """What a value from all samples may miss, of values (k, n) from all, every other and every fourth: shape (n,).
+
+    With p the observed order of convergence, a fine value misses by ``1 / (2^p - 1)`` of what it differs by from the
+    next; four times that is taken, but no more than the difference. Infinite where nothing can be held against it.
+    """
+    if not coarse:
+        return np.full(fine.shape[1], np.inf)
+    first, *more = (size(one - other) for one, other in pairwise((fine, *coarse)))
+    seen = np.maximum(0.0, first - _ROUNDING * largest(fine))
+    return seen * np.minimum(1.0, _CAUTION * first / np.maximum(more[0], _TINY)) if more else seen
+
+
+def sample_doubts(spread: Spread, labels: Sequence[str]) -> tuple[str, ...]:
+    """Why the samples alone give no verdict: the jerk is mostly noise, or too little is known between them."""
+    return (*_noise_doubts(spread, labels), *_between(spread, labels, _TOO_MUCH, np.inf))
+
+
+def sample_remarks(spread: Spread, labels: Sequence[str]) -> tuple[str, ...]:
+    """What the samples leave unknown between them, where it is more than one in 10,000 and gives no doubt."""
+    return _between(spread, labels, _TOLD, _TOO_MUCH)
+
+
+def _between(spread: Spread, labels: Sequence[str], least: float, most: float) -> tuple[str, ...]:
+    """The joint of whose acceleration the largest part, from `least` to `most`, is not known between the samples."""
+    if spread.parts:
+        return ()
+    peak = largest(spread.spline(spread.instants, nu=2))
+    part = spread.missed(2) / np.maximum(peak, _SLIGHT * peak.max(initial=_TINY))
+    j = int(np.argmax(part))
+    if not least < part[j] <= most:
+        return ()
+    known = f"only to {part[j]:.2g} of its peak" if np.isfinite(part[j]) else "not at all, as they are too few"
+    return (f"samples: between them the acceleration of {labels[j]} is known {known}",)
+
+
+def _noise_doubts(spread: Spread, labels: Sequence[str]) -> tuple[str, ...]:
     """That the jerk is mostly noise, where it is."""
     if spread.is_regularised or not spread.noise.any():
         return ()

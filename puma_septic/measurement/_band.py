@@ -7,11 +7,12 @@ from typing import Any, Final, final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import BSpline
 
 from puma_septic.document import plain
 from puma_septic.dynamics import rigid_torque, smooth_torque
 from puma_septic.friction import friction_terms, loss
-from puma_septic.logs import LogFit
+from puma_septic.logs import LogFit, unresolved
 from puma_septic.motion import Motion
 from puma_septic.piecewise.directions import REST_TIME
 from puma_septic.robot import Robot
@@ -24,6 +25,8 @@ _LEAST, _MOST, _PER_SECOND = 600, 4000, 400.0
 # Of the draws, this part deviates by less than the band; widened by what coverage on 200 logs of known motions needs.
 _PART: Final = 0.98
 _WIDENED: Final = 1.5
+# A torque below this part of the arm's largest is slight.
+_SLIGHT: Final = 1e-3
 # The sums over the grid are this close to the integrals, relative.
 _QUADRATURE: Final = 1e-3
 
@@ -42,6 +45,17 @@ class TorqueBand:
     peak: Array
     rms: Array
 
+    @property
+    def relative_width(self) -> float:
+        """Half the width of the widest band of a peak, as a part of it; slight joints count a 1000th of the largest."""
+        least, greatest = self.peak
+        finite = np.isfinite(greatest)
+        if not finite.any():
+            return 0.0
+        scale = np.maximum(greatest, _SLIGHT * greatest[finite].max())
+        half = (greatest - least)[finite] / 2
+        return float((half / np.maximum(scale[finite], np.finfo(float).tiny)).max())
+
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready document."""
         return {
@@ -59,7 +73,9 @@ def torque_band(motion: Motion, fit: LogFit, *, draws: int = 48, seed: int = 0) 
     else a draw's largest deviation at any instant bounds it. Added is what friction does while it is not known for
     0.1 s whether a joint rests already, or still.
 
-    The motion is taken to have no steps of its acceleration: a fit rounds and overshoots them.
+    Added too is what a spline through the samples may miss between them, by how it differs from those through every
+    other and every fourth of them. A smoothed motion is taken to have no steps of its acceleration: a fit rounds and
+    overshoots them.
 
     Parameters
     ----------
@@ -87,8 +103,6 @@ def torque_band(motion: Motion, fit: LogFit, *, draws: int = 48, seed: int = 0) 
     """
     known = motion.robot.knows_torque
     peak, rms = (np.where(known, x, np.nan) for x in (motion.torque.extrema().peak, motion.torque.rms()))
-    if not fit.noise.any():
-        return TorqueBand(peak=read_only([peak, peak]), rms=read_only([rms, rms]))
     count = int(np.clip(_PER_SECOND * motion.trajectory.duration, _LEAST, _MOST))
     t = np.linspace(0.0, fit.spread.spline.t[-1], count)
     state = [fit.spread.spline(t, nu=order) for order in range(3)]
@@ -98,11 +112,30 @@ def torque_band(motion: Motion, fit: LogFit, *, draws: int = 48, seed: int = 0) 
     around = [tau - rests[0] + friction for friction in rests]
     of_peaks = np.array([np.abs(one).max(axis=0) for one in around]) - np.abs(tau).max(axis=0)
     of_rms = np.array([_rms(one) for one in around]) - _rms(tau)
-    squares = squares + _QUADRATURE * rms
+    if fit.noise.any():
+        squares = squares + _QUADRATURE * rms
+    between = _between_samples(motion, fit)
+    peaks, squares = peaks + between[0], squares + between[1]
     return TorqueBand(
         peak=read_only([np.maximum(0.0, peak + of_peaks.min(axis=0) - peaks), peak + of_peaks.max(axis=0) + peaks]),
         rms=read_only([np.maximum(0.0, rms + of_rms.min(axis=0) - squares), rms + of_rms.max(axis=0) + squares]),
     )
+
+
+def _between_samples(motion: Motion, fit: LogFit) -> tuple[Array | float, Array | float]:
+    """By how much a spline through the samples may miss the peak and the RMS torque between them, each (n_joints,)."""
+    spread = fit.spread
+    if spread.parts:
+        return 0.0, 0.0
+    t = spread.instants
+    sign = motion.trajectory.direction.from_zero()(t)
+
+    def torque(spline: BSpline) -> Array:
+        state = [spline(t, nu=order) for order in range(3)]
+        return np.asarray(smooth_torque(motion.robot, *state) + _dry_friction(motion.robot, state, sign))
+
+    tau = [torque(spline) for spline in (spread.spline, *spread.coarse)]
+    return unresolved(*tau), unresolved(*tau, size=_rms)
 
 
 def _deviations(
@@ -128,11 +161,13 @@ def _deviations(
 def _unsure(motion: Motion, fit: LogFit) -> Array:
     """For how long it is not known at each end of a rest whether a joint rests, s, shape (n_joints,).
 
-    At least REST_TIME; and a joint that starts with the jerk j hides within the resolution r for ``cbrt(6 r / j)``.
+    At least REST_TIME where there is noise; and a joint that starts with the jerk j hides within the resolution
+    r for ``cbrt(6 r / j)``.
     """
     jerk = np.maximum(fit.spread.rms(3), np.finfo(float).tiny)
     hidden = np.cbrt(6 * np.asarray(motion.trajectory.resolution) / jerk)
-    return np.asarray(np.clip(REST_TIME / 2 + 1.5 * hidden, REST_TIME, motion.trajectory.duration / 2))
+    least = np.where(fit.noise > 0, REST_TIME, 0.0)
+    return np.asarray(np.clip(least / 2 + 1.5 * hidden, least, motion.trajectory.duration / 2))
 
 
 def _rests(motion: Motion, t: Array, state: list[Array], unsure: Array) -> list[Array]:
@@ -145,10 +180,10 @@ def _rests(motion: Motion, t: Array, state: list[Array], unsure: Array) -> list[
     still = direction == 0
     moving = np.where(still, _nearest_direction(direction), direction)
     shorter, longer = np.empty_like(still), np.empty_like(still)
-    for j, margin in enumerate(np.maximum(1, np.rint(unsure / (t[1] - t[0])).astype(int))):
+    for j, margin in enumerate(np.rint(unsure / (t[1] - t[0])).astype(int)):
         longer[:, j] = _grown(still[:, j], margin)
         longer[:margin, j] |= trajectory.rest_before
-        longer[-margin:, j] |= trajectory.rest_after
+        longer[len(t) - margin :, j] |= trajectory.rest_after
         shorter[:, j] = ~_grown(~still[:, j], margin)
     signs = [direction, np.where(shorter, 0.0, moving), np.where(longer, 0.0, moving)]
     return [_dry_friction(motion.robot, state, sign) for sign in signs]

@@ -34,7 +34,7 @@ def find_directions(position: Piecewise, turns: Array, resolution: Array) -> Pie
 
     - throughout, where a component never travels by more than its resolution;
     - on an interval on which it is constant, or where it creeps, slower than `STILL` tenfold in the whole motion, for a
-      millisecond or longer;
+      millisecond or longer; where a resolution is given, for `REST_TIME` or longer;
     - where a resolution is given: wherever it stays within that for `REST_TIME` or longer.
 
     Parameters
@@ -60,7 +60,8 @@ def find_directions(position: Piecewise, turns: Array, resolution: Array) -> Pie
     for j, spans in zip(recorded, rests, strict=True):
         for first, last in spans:
             directions[(middles > first) & (middles < last), j] = 0.0
-    directions[_creeping(function)[function.offsets[1:-1].searchsorted(middles)]] = 0.0
+    brief = np.where(resolution > 0, REST_TIME, _BRIEF)
+    directions[_creeping(function, brief)[function.offsets[1:-1].searchsorted(middles)]] = 0.0
     return unit.stepwise(directions).shifted(position.start)
 
 
@@ -98,14 +99,15 @@ def _recorded_rests(position: Piecewise, resolution: float) -> Array:
     return np.column_stack([times[first], times[np.minimum(last - 1 + _SAMPLES, count - 1)]])
 
 
-def _creeping(position: Piecewise) -> NDArray[np.bool_]:
+def _creeping(position: Piecewise, brief: Array) -> NDArray[np.bool_]:
     """Whether each component is at rest but for rounding on each interval, shape (n, m).
 
-    A short interval in which it comes to rest does not count: there it is slow, but brakes.
+    A short interval in which it comes to rest, at most as long as `brief`, does not count: there it is slow, but
+    brakes. In a recorded motion that holds for samples that are equal to the last digit too.
     """
     travel = 2 * np.abs(position.coefficients[1:]).sum(axis=0)
     creeping = travel <= STILL * np.minimum(1.0, _CREEP * position.lengths / position.duration)[:, None]
-    still: NDArray[np.bool_] = travel == 0
+    still: NDArray[np.bool_] = (travel == 0) & (brief < REST_TIME)
     if (creeping == still).all():
         return still
     # From the end of the last interval that moves to the start of the next.
@@ -114,4 +116,4 @@ def _creeping(position: Piecewise) -> NDArray[np.bool_]:
         for rest, own in ((0.0, position.offsets[1:]), (position.duration, position.offsets[:-1]))
     )
     since, until = np.maximum.accumulate(ends, axis=0), np.minimum.accumulate(starts[::-1], axis=0)[::-1]
-    return np.asarray((creeping & (until - since >= _BRIEF)) | still)
+    return np.asarray((creeping & (until - since >= brief)) | still)

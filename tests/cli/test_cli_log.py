@@ -188,7 +188,7 @@ def test_noise_leaves_the_verdict_open_until_it_is_smoothed(tmp_path: Path, caps
     path = noisy(tmp_path / "log.csv")
     assert main(["assess", "--csv", path]) == 3
     out = " ".join(capsys.readouterr().out.split())
-    assert "Verdict: undecided: noise: the jerk is mostly noise" in out
+    assert "Verdict: undecided: noise: the peak torque of joint 'joint1' is between" in out
     assert "Noise of a sample: " in out
     assert ": feasible" not in out
     assert main(["assess", "--csv", path, "--smoothing", "auto"]) == 0

@@ -149,7 +149,7 @@ class Trajectory:
         return self.position.with_derivatives(3)
 
     @cached_property
-    def _searched(self) -> tuple[Extrema, Array]:
+    def _searched(self) -> tuple[Extrema, tuple[Array, ...]]:
         """Extrema of `state`, and the turning points of the position."""
         return self.state.extrema_and_turns(self.n_joints)
 

@@ -350,14 +350,14 @@ class Piecewise:
         """Least and greatest finite values, one-sided values at steps included."""
         return self.extrema_and_turns(0)[0]
 
-    def extrema_and_turns(self, count: int) -> tuple[Extrema, Array]:
+    def extrema_and_turns(self, count: int) -> tuple[Extrema, tuple[Array, ...]]:
         """`extrema`, and from the same search all turning points of the first `count` components.
 
         Returns
         -------
         Extrema
-        ndarray, shape (k,)
-            When the slope of any of them changes its sign inside an interval, s since the start of the span.
+        tuple of ndarray
+            For each of them, when its slope changes its sign inside an interval, s since the start of the span.
         """
         low, high, turns = find_extrema(self.offsets, self.coefficients, count)
         start = self.start

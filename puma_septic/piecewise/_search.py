@@ -54,11 +54,11 @@ _BLOCK = 1 << 21
 
 def find_extrema(
     breaks: Array, coefficients: Array, turning: int = 0
-) -> tuple[tuple[Array, Array], tuple[Array, Array], Array]:
+) -> tuple[tuple[Array, Array], tuple[Array, Array], tuple[Array, ...]]:
     """((minima, their times), (maxima, their times), turns); of values equal to rounding, the first.
 
-    Minima, maxima and their times have the shape (m,). `turns`, shape (k,), are the times inside the intervals at which
-    the slope of any of the first components, `turning` of them, changes its sign: all, not those of extrema alone.
+    Minima, maxima and their times have the shape (m,). `turns` are, for each of the first components, `turning` of
+    them, the times inside the intervals at which its slope changes its sign: all, not those of extrema alone.
     """
     _, n, m = coefficients.shape
     series = coefficients.reshape(-1, n * m)
@@ -72,16 +72,19 @@ def find_extrema(
     middle, spread = coefficients[0], total - size[0]
     wanted = (middle + spread > high - equal) | (middle - spread < low + equal) | (np.arange(m) < turning)
     slopes = matrices.derivative_matrix(len(series) - 1) @ series
-    turns = [np.empty(0)]
+    turning_at, turns = [np.empty(0, dtype=np.int64)], [np.empty(0)]
     for block in _blocks(np.flatnonzero(wanted.ravel() & _may_change_sign(slopes)), len(series) - 1):
         some = (series[:, block], slopes[:, block])
         candidates = _candidates(*some, block % m, low - equal, high + equal, turning)
         found += [(block[column], x, value) for column, x, value in candidates]
         if turning:
             at, x, _ = found[-1]
-            turns.append(_times(breaks, at // m, x)[at % m < turning])
+            turning_at.append(at % m)
+            turns.append(_times(breaks, at // m, x))
     at, x, value = (np.concatenate(part) for part in zip(*found, strict=True))
-    return *_extremes(at % m, _times(breaks, at // m, x), value, equal), np.concatenate(turns)
+    component, times = np.concatenate(turning_at), np.concatenate(turns)
+    turned = tuple(times[component == j] for j in range(turning))
+    return *_extremes(at % m, _times(breaks, at // m, x), value, equal), turned
 
 
 def _extremes(j: Index, times: Array, values: Array, equal: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:

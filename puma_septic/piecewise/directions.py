@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -26,7 +27,7 @@ _BRIEF: Final = 1e-3
 _SAMPLES: Final = 10
 
 
-def find_directions(position: Piecewise, turns: Array, resolution: Array) -> Piecewise:
+def find_directions(position: Piecewise, turns: Sequence[Array], resolution: Array) -> Piecewise:
     """The direction of each component, +1, -1 or 0, as a function that is constant between its breaks.
 
     Turning points are extrema of the position between which it travels by more than its resolution (at least `STILL`);
@@ -40,17 +41,13 @@ def find_directions(position: Piecewise, turns: Array, resolution: Array) -> Pie
     Parameters
     ----------
     position : Piecewise
-    turns : ndarray, shape (k,)
-        When any component turns inside an interval, s from the start; see `Piecewise.extrema_and_turns`.
+    turns : sequence of ndarray
+        When each component turns inside an interval, s from the start; see `Piecewise.extrema_and_turns`.
     resolution : ndarray, shape (m,)
         In the unit of the position; 0 for a planned motion.
     """
     function = position.from_zero()
-    times = np.sort(np.concatenate([function.offsets, turns]))
-    allowed = np.maximum(STILL, resolution).tolist()
-    turned = [
-        _turning_points(times, *pair) for pair in zip(function.at_offsets(times).T.tolist(), allowed, strict=True)
-    ]
+    turned = _turned(function, turns, np.maximum(STILL, resolution).tolist())
     recorded = np.flatnonzero(resolution)
     rests = [_recorded_rests(function[int(j)], float(resolution[j])) for j in recorded]
     unit = function.stepwise(np.ones((len(function.lengths), 1)))
@@ -63,6 +60,20 @@ def find_directions(position: Piecewise, turns: Array, resolution: Array) -> Pie
     brief = np.where(resolution > 0, REST_TIME, _BRIEF)
     directions[_creeping(function, brief)[function.offsets[1:-1].searchsorted(middles)]] = 0.0
     return unit.stepwise(directions).shifted(position.start)
+
+
+def _turned(function: Piecewise, turns: Sequence[Array], allowed: Sequence[float]) -> list[tuple[Array, Array]]:
+    """The turning points of each component, at its own extrema or at breaks: beside them a position is as large."""
+    times = np.concatenate([function.offsets, *turns])
+    owner = np.repeat(np.arange(len(turns) + 1), [len(function.offsets), *map(len, turns)])
+    order = np.argsort(times, kind="stable")
+    times, owner = times[order], owner[order]
+    values = function.at_offsets(times)
+    found = []
+    for j, least in enumerate(allowed):
+        own = (owner == 0) | (owner == j + 1)
+        found.append(_turning_points(times[own], values[own, j].tolist(), least))
+    return found
 
 
 def _turning_points(times: Array, at: list[float], allowed: float) -> tuple[Array, Array]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import functools
 import operator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Generic, TypeVar, final
@@ -29,6 +30,7 @@ __all__ = [
     "check_uncoupled",
     "inverse_dynamics",
     "mass_matrix",
+    "payload_torque",
     "rigid_terms",
     "rigid_torque",
     "smooth_torque",
@@ -161,6 +163,29 @@ def rigid_terms(robot: Robot, q: Array, v: Array, a: Array) -> dict[str, Array]:
         "payload": loaded - bare,
         "wrench": _wrench_torque(robot, q),
     }
+
+
+def payload_torque(robot: Robot, parameters: Array) -> Callable[[Array, Array, Array], Array]:
+    """The torque that a payload adds, of checked q, v and a of shape (n, n_joints): linear in its ten parameters.
+
+    Parameters
+    ----------
+    robot : Robot
+        Whatever it carries itself is left out.
+    parameters : ndarray, shape (10,)
+        ``m, m c_x, m c_y, m c_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz`` of the tool frame, the inertia about its origin;
+        kg, kg m, kg m^2. Also of what is no body, such as a single one of them, but m must not be 0.
+
+    Returns
+    -------
+    callable
+    """
+    model = robot.bare_model.copy()
+    for k in range(model.njoints):
+        model.inertias[k] = pin.Inertia.Zero()
+    frame = model.frames[robot.tool_id]
+    model.appendBodyToJoint(frame.parentJoint, pin.Inertia.FromDynamicParameters(parameters), frame.placement)
+    return functools.partial(_rnea, robot, model)
 
 
 def mass_matrix(robot: Robot, q: Array) -> Array:

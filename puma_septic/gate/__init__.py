@@ -3,7 +3,7 @@
 from puma_septic.gate._checking import START_TOLERANCE, TrajectoryCheck, check_trajectory
 from puma_septic.gate._fixing import Fixed, fixed
 from puma_septic.gate._reasons import ALLOWABLE, REASON_CODES, VERDICTS, Reason, checked_allowances
-from puma_septic.gate._stretching import Stretch, least_stretch, stretched
+from puma_septic.gate._stretching import Stretch, least_stretch
 
 __all__ = [
     "ALLOWABLE",
@@ -18,5 +18,4 @@ __all__ = [
     "checked_allowances",
     "fixed",
     "least_stretch",
-    "stretched",
 ]

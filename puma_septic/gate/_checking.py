@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from puma_septic.assessment import Assessment, LimitCheck, assess
-from puma_septic.gate._reasons import AT_REST, DRIVE_VALUES, Reason, checked_allowances, verdict_of
+from puma_septic.gate._reasons import DRIVE_VALUES, Reason, checked_allowances, verdict_of
+from puma_septic.limits import AT_REST
 from puma_septic.quantities import MAGNITUDES, QUANTITIES
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory

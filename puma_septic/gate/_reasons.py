@@ -15,7 +15,6 @@ from puma_septic.validation import checked_choice
 
 __all__ = [
     "ALLOWABLE",
-    "AT_REST",
     "DRIVE_VALUES",
     "REASON_CODES",
     "VERDICTS",
@@ -23,10 +22,6 @@ __all__ = [
     "checked_allowances",
     "verdict_of",
 ]
-
-AT_REST: Final = float(np.finfo(np.float32).eps)
-"""A velocity at an end that counts for rest, rad/s (m/s): the epsilon of a float, as joint_trajectory_controller has it
-(ros2_controllers, ``validate_trajectory_msg``)."""
 
 VERDICTS: Final = ("ok", "undecided", "violated", "invalid")
 """From good to bad; the verdict of several is the last that occurs."""

@@ -10,6 +10,7 @@ from puma_septic.sizing._result import MotorLoadProfile, Sizing
 from puma_septic.sizing._selection import Selection
 from puma_septic.sizing._size import size
 from puma_septic.sizing._thermal import overload_time
+from puma_septic.sizing._torque_speed import torque_at_speed
 
 __all__ = [
     "Candidate",
@@ -33,5 +34,6 @@ __all__ = [
     "ratio_window",
     "select_consistent",
     "size",
+    "torque_at_speed",
     "with_drive_masses",
 ]

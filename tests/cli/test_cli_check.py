@@ -17,7 +17,8 @@ from ruamel.yaml import YAML
 
 import puma_septic as ps
 from puma_septic.cli import main
-from puma_septic.gate import ALLOWABLE, REASON_CODES, stretched
+from puma_septic.gate import ALLOWABLE, REASON_CODES
+from puma_septic.limits import stretched
 from puma_septic.ros import FAULT_CODES
 
 KNOWN = ["--allow", "limit_unknown"]

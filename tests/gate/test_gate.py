@@ -12,7 +12,8 @@ import pytest
 from helpers.ros_messages import message, small_move
 
 import puma_septic as ps
-from puma_septic.gate import ALLOWABLE, REASON_CODES, TrajectoryCheck, fixed, stretched
+from puma_septic.gate import ALLOWABLE, REASON_CODES, TrajectoryCheck, fixed
+from puma_septic.limits import stretched
 from puma_septic.ros import FAULT_CODES, PlannedTrajectory, interpolated
 from puma_septic.ros._message import joint_trajectory_message
 

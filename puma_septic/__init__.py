@@ -27,11 +27,14 @@ _HOMES: Final = {
     "InputError": "errors",
     "JointTrajectoryError": "ros",
     "Limits": "robot",
+    "MaximumPayload": "limits",
+    "MinimumDuration": "limits",
     "ModelError": "errors",
     "Motion": "motion",
     "Motor": "drives",
     "NoSolution": "errors",
     "Payload": "robot",
+    "PayloadPolygon": "limits",
     "Piecewise": "piecewise",
     "PumaSepticError": "errors",
     "Replay": "viewer",
@@ -39,6 +42,7 @@ _HOMES: Final = {
     "Robot": "robot",
     "Selection": "sizing",
     "Sizing": "sizing",
+    "Sweep": "limits",
     "Task": "task",
     "Trajectory": "trajectory",
     "TrajectoryCheck": "gate",
@@ -53,6 +57,7 @@ _HOMES: Final = {
     "compute_motion": "motion",
     "cycle": "cycle",
     "doctor": "doctor",
+    "duration_sweep": "limits",
     "fit_residual": "logs",
     "fit_trajectory": "logs",
     "forward_kinematics": "kinematics",
@@ -68,11 +73,17 @@ _HOMES: Final = {
     "load_task": "task",
     "lowest_points": "kinematics",
     "lspb": "profiles",
+    "maximum_payload": "limits",
+    "minimum_duration": "limits",
     "optimise_via_times": "optimisation",
     "own_drivetrains": "robot",
     "paper": "paper",
     "pareto_front": "optimisation",
     "paths": "paths",
+    "payload_diagram": "limits",
+    "payload_duration_map": "limits",
+    "payload_polygon": "limits",
+    "payload_sweep": "limits",
     "plots": "plots",
     "profiles": "profiles",
     "quintic_segments": "profiles",
@@ -90,6 +101,7 @@ _HOMES: Final = {
     "tool_motion": "kinematics",
     "tool_move": "paths",
     "torque_terms": "dynamics",
+    "within_limits": "limits",
     "worst_holding_torque": "worst_case",
     "write_joint_trajectory": "ros",
     "write_replay": "viewer",
@@ -135,6 +147,18 @@ if TYPE_CHECKING:
     from puma_septic.kinematics import jacobian as jacobian
     from puma_septic.kinematics import lowest_points as lowest_points
     from puma_septic.kinematics import tool_motion as tool_motion
+    from puma_septic.limits import MaximumPayload as MaximumPayload
+    from puma_septic.limits import MinimumDuration as MinimumDuration
+    from puma_septic.limits import PayloadPolygon as PayloadPolygon
+    from puma_septic.limits import Sweep as Sweep
+    from puma_septic.limits import duration_sweep as duration_sweep
+    from puma_septic.limits import maximum_payload as maximum_payload
+    from puma_septic.limits import minimum_duration as minimum_duration
+    from puma_septic.limits import payload_diagram as payload_diagram
+    from puma_septic.limits import payload_duration_map as payload_duration_map
+    from puma_septic.limits import payload_polygon as payload_polygon
+    from puma_septic.limits import payload_sweep as payload_sweep
+    from puma_septic.limits import within_limits as within_limits
     from puma_septic.logs import fit_residual as fit_residual
     from puma_septic.logs import fit_trajectory as fit_trajectory
     from puma_septic.logs import read_csv_trajectory as read_csv_trajectory

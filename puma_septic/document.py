@@ -33,6 +33,7 @@ SCHEMAS: Final = MappingProxyType(
         "robot": "puma-septic/robot/1",
         "selection": "puma-septic/selection/1",
         "sizing": "puma-septic/sizing/1",
+        "sweep": "puma-septic/sweep/1",
     }
 )
 """The schema of each kind of document, described in docs/json.md.

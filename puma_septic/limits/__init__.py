@@ -1,5 +1,6 @@
 """How fast, how heavy: what of time and mass a motion's limits allow."""
 
+from puma_septic.limits._diagram import PayloadPolygon, payload_diagram, payload_polygon
 from puma_septic.limits._duration import (
     AT_REST,
     Answer,
@@ -12,6 +13,8 @@ from puma_septic.limits._duration import (
 from puma_septic.limits._feasible import Certificate
 from puma_septic.limits._payload import Load, MaximumPayload, maximum_payload
 from puma_septic.limits._stretching import stretched
+from puma_septic.limits._sweeps import LoadedTorque, Sweep, duration_sweep, payload_duration_map, payload_sweep
+from puma_septic.limits._within_limits import within_limits
 
 __all__ = [
     "AT_REST",
@@ -19,11 +22,20 @@ __all__ = [
     "Certificate",
     "FeasibleRates",
     "Load",
+    "LoadedTorque",
     "MaximumPayload",
     "MinimumDuration",
+    "PayloadPolygon",
+    "Sweep",
     "assessed_at",
+    "duration_sweep",
     "feasible_rates",
     "maximum_payload",
     "minimum_duration",
+    "payload_diagram",
+    "payload_duration_map",
+    "payload_polygon",
+    "payload_sweep",
     "stretched",
+    "within_limits",
 ]

@@ -178,7 +178,7 @@ def maximum_payload(
     >>> move = ps.quintic_segments([[0.0] * 6, [0.5] * 6], [0.0, 1.0])
     >>> heaviest = ps.maximum_payload(ps.compute_motion(ps.load_robot(), move), com=[0, 0, 0.1])
     >>> round(heaviest.mass, 3), heaviest.governing.joint, heaviest.governing.quantity
-    (0.0, '', '')
+    (4.596, 'joint2', 'effort')
     """
     load = checked_load(motion.robot, com, gyration)
     first = _unloaded(motion)

@@ -22,7 +22,7 @@ from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_number
 
-__all__ = ["LoadTorque", "RateTorque", "load_torque", "rate_torque", "stretched"]
+__all__ = ["LoadTorque", "RateTorque", "load_torque", "rate_torque", "split_torque", "stretched"]
 
 
 def stretched(trajectory: Trajectory, factor: float) -> Trajectory:
@@ -64,7 +64,7 @@ def rate_torque(motion: Motion) -> RateTorque:
     """S, V and D of a motion whose friction is viscous plus constant."""
     robot, n = motion.robot, motion.robot.n_joints
     check_plain_friction(robot, "the torque of a motion at another speed")
-    rigid = _split(motion.trajectory, partial(rigid_torque, robot))
+    rigid = split_torque(motion.trajectory, partial(rigid_torque, robot))
     still = rigid[:n] + motion.coulomb
     return RateTorque(
         still=still,
@@ -89,12 +89,12 @@ class LoadTorque:
 
 def load_torque(robot: Robot, trajectory: Trajectory, per_kg: Array) -> LoadTorque:
     """Of a payload with these ten parameters per kg; see `payload_torque`."""
-    parts = _split(trajectory, payload_torque(robot, per_kg))
+    parts = split_torque(trajectory, payload_torque(robot, per_kg))
     n = robot.n_joints
     return LoadTorque(still=parts[:n], inertial=parts[n:])
 
 
-def _split(trajectory: Trajectory, torque: Callable[[Array, Array, Array], Array]) -> Piecewise:
+def split_torque(trajectory: Trajectory, torque: Callable[[Array, Array, Array], Array]) -> Piecewise:
     """The torque at rest in each posture, and what the motion adds to it, side by side."""
     n = trajectory.n_joints
 

@@ -94,6 +94,7 @@ _HOMES: Final = {
     "replay": "viewer",
     "replay_html": "viewer",
     "report_html": "report.page",
+    "residual_vibration": "vibration",
     "resolve_task": "task",
     "septic": "profiles",
     "size": "sizing",
@@ -101,6 +102,7 @@ _HOMES: Final = {
     "tool_motion": "kinematics",
     "tool_move": "paths",
     "torque_terms": "dynamics",
+    "vibration": "vibration",
     "within_limits": "limits",
     "worst_holding_torque": "worst_case",
     "write_joint_trajectory": "ros",
@@ -118,6 +120,7 @@ if TYPE_CHECKING:
     from puma_septic import plots as plots
     from puma_septic import profiles as profiles
     from puma_septic import sizing as sizing
+    from puma_septic import vibration as vibration
     from puma_septic.assessment import Assessment as Assessment
     from puma_septic.assessment import assess as assess
     from puma_septic.comparison import Comparison as Comparison
@@ -196,6 +199,7 @@ if TYPE_CHECKING:
     from puma_septic.task import load_task as load_task
     from puma_septic.task import resolve_task as resolve_task
     from puma_septic.trajectory import Trajectory as Trajectory
+    from puma_septic.vibration import residual_vibration as residual_vibration
     from puma_septic.viewer import Replay as Replay
     from puma_septic.viewer import replay as replay
     from puma_septic.viewer import replay_html as replay_html

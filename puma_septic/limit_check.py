@@ -59,6 +59,8 @@ class LimitCheck:
         vouch for it; it is merely unusual.
     source : str
         Where the limit or its rule comes from; "" where that is not known.
+    case : str
+        The load case of the demand, where there are several.
 
     Examples
     --------
@@ -80,6 +82,7 @@ class LimitCheck:
     margin: float
     kind: Kind = "joint limit"
     source: str = ""
+    case: str = ""
 
     @classmethod
     def of_magnitude(
@@ -208,7 +211,7 @@ class LimitCheck:
         return self.quantity == HEIGHT or (self.quantity in QUANTITIES and QUANTITIES[self.quantity].is_range)
 
     def __str__(self) -> str:
-        when = "" if isnan(self.time) else f" at t = {self.time:.4g} s"
+        when = ("" if isnan(self.time) else f" at t = {self.time:.4g} s") + (f" of {self.case!r}" if self.case else "")
         kind = "" if self.kind == "joint limit" else f" ({self.kind})"
         if isinf(self.demand):
             return f"{self.joint} {self.label} unbounded{when}, {self.limit_text}{kind}"
@@ -223,13 +226,14 @@ class LimitCheck:
         return f"{what} is {100 * self.utilisation:.4g} % of {limit}{kind}"
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON-ready: "unbounded" for infinity, null for what is not known.
+        """JSON-ready: "unbounded" for infinity, null for what is not known; the load case only where there is one.
 
         Returns
         -------
         dict
         """
-        return {field.name: plain(getattr(self, field.name)) for field in fields(self)}
+        document = {field.name: plain(getattr(self, field.name)) for field in fields(self)}
+        return document if self.case else {key: value for key, value in document.items() if key != "case"}
 
     @classmethod
     def from_dict(cls, document: Mapping[str, Any]) -> Self:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
+from puma_septic.cli._condition_arguments import add_conditions
 from puma_septic.cli._numbers import count
 from puma_septic.cli._output_arguments import add_format, add_out
 from puma_septic.cli._parser import Answer
@@ -16,14 +17,15 @@ SUMMARY = "check or select motors and gearboxes for a duty cycle"
 
 DESCRIPTION = """\
 Check or select motors and gearboxes for a duty cycle: the task's first profile, rest, then back along the same
-path unloaded, rest.
+path unloaded, rest; or for the load cases that the task lists.
 
 Without --catalogue the arm's own drives are checked; with it, every pair of motor and gearbox at every joint.
-Exit code: 0 every known limit is kept (or there is a pair for every joint), 1 one is violated, 2 bad input, 70 a fault
-of the program."""
+Exit code: 0 every known limit is kept (or there is a pair for every joint), 1 one is violated, 2 bad input, 3 nothing
+can be decided because too little is known of the parts, 70 a fault of the program."""
 
 EXAMPLES = """size paper-turned --payload 1 --dwell 0.5
-size task.yaml --catalogue motors.csv gearboxes.csv --rank mass --out sizing"""
+size task.yaml --catalogue motors.csv gearboxes.csv --rank mass --out sizing
+size task.yaml --catalogue motors.csv gearboxes.csv --cycles-per-minute 12 --bus-voltage 48 --margin 0.2"""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -37,6 +39,17 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="FILE",
         help="TOML file of additional data on the arm's own drives; with --catalogue its drive tables alone",
     )
+    _add_choice(parser)
+    parser.add_argument(
+        "--one-way", action="store_true", help="the task's motion alone: no return, no steady winding temperature"
+    )
+    add_conditions(parser)
+    add_format(parser, "text", "json", "csv")
+    add_out(parser, "report, JSON, CSV, load profiles and figures")
+    add_recording(parser)
+
+
+def _add_choice(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--catalogue",
         nargs="+",
@@ -54,14 +67,20 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--masses",
         choices=("before", "at"),
-        help="with --catalogue: place drives on the link before their joint or the one that it moves, and choose again",
+        help="with --catalogue: place drives on the link before their joint or the one that it moves, and choose again"
+        " (the same for revolute joints: the drive is on the joint's axis)",
     )
     parser.add_argument(
-        "--one-way", action="store_true", help="the task's motion alone: no return, no steady winding temperature"
+        "--same",
+        action="append",
+        type=_names,
+        metavar="JOINT,JOINT",
+        help="with --catalogue: one size for these joints, where a pair fits all of them (repeatable)",
     )
-    add_format(parser, "text", "json", "csv")
-    add_out(parser, "JSON, CSV, motor load profiles and figures")
-    add_recording(parser)
+
+
+def _names(text: str) -> list[str]:
+    return [name.strip() for name in text.split(",") if name.strip()]
 
 
 def run(arguments: Namespace) -> Answer:

@@ -7,12 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final, final
 
+from puma_septic._version import __version__
 from puma_septic.assessment import assess
+from puma_septic.cli._condition_arguments import CONDITIONS
 from puma_septic.cli._output_arguments import with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._task_arguments import asked_task
 from puma_septic.cli._task_text import wrapped
-from puma_septic.cycle import Cycle, Dwell, with_return
+from puma_septic.cycle import Cycle, Dwell
 from puma_septic.drives import (
     BUILT_IN,
     Catalogue,
@@ -20,13 +22,13 @@ from puma_septic.drives import (
     load_catalogue,
 )
 from puma_septic.errors import InputError
-from puma_septic.motion import Motion, compute_motion
+from puma_septic.motion import Motion
 from puma_septic.report import new_folder, to_json
-from puma_septic.report.csv import checks_csv, load_profile_csv, pairs_csv
+from puma_septic.report.csv import bill_csv, checks_csv, load_profile_csv, motor_profile_csv, pairs_csv
 from puma_septic.report.folder import file_names
 from puma_septic.robot import load_drivetrains
-from puma_septic.sizing import Selection, Sizing, size
-from puma_septic.task import ResolvedTask, resolve_task
+from puma_septic.sizing import LoadCase, Selection, Sizing, conditions_of, load_cases_of, size
+from puma_septic.task import ConditionsSection, Task, make_task, resolve_task
 
 __all__ = ["answer"]
 
@@ -37,23 +39,38 @@ _KEPT: Final = 3
 def answer(arguments: Namespace) -> Answer:
     """Size the arm's own drives, or choose from a catalogue."""
     asked = _asked(arguments)
-    cycle = asked.cycle
-    found = _own_sizing(arguments, cycle) if arguments.catalogue is None else _selection(arguments, cycle)
+    found = _own_sizing(arguments, asked) if arguments.catalogue is None else _selection(arguments, asked)
+    document = {**asked.document, **found.to_dict(), "inputs": _inputs(arguments)}
     if arguments.out is not None:
-        _write_folder(arguments, found, f"{asked.name}: sizing")
-    text = _text(arguments, asked, found)
-    if isinstance(found, Sizing) or found.sizing is not None:  # without drives there is no report
-        text = with_report(text, arguments)
-    return Answer(text, asked.code or (0 if found.is_feasible else 1))
+        _write_folder(arguments, found, document, f"{asked.name}: sizing")
+    text = with_report(_text(arguments, asked, found, document), arguments)
+    return Answer(text, asked.code or _code(found))
+
+
+def _code(found: Sizing | Selection) -> int:
+    if found.is_feasible:
+        return 0
+    return UNDECIDED if isinstance(found, Selection) and not found.can_be_decided else 1
+
+
+def _inputs(arguments: Namespace) -> dict[str, Any]:
+    """What repeats the answer beside the task: files and options."""
+    options = {
+        name: getattr(arguments, name)
+        for name in ("catalogue", "drives", "rank", "keep", "masses", "same", "csv")
+        if getattr(arguments, name) is not None
+    }
+    return {"version": __version__, **options, **({"one_way": True} if arguments.one_way else {})}
 
 
 @final
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class _Asked:
-    """A cycle and where it comes from; `code` is an exit code that stands whatever the drives can do, or 0."""
+    """Load cases and where they come from; `code` is an exit code that stands whatever the drives can do, or 0."""
 
     name: str
-    cycle: Cycle
+    cases: tuple[LoadCase, ...]
+    conditions: ConditionsSection | None
     head: str
     document: dict[str, Any]
     code: int = 0
@@ -66,11 +83,13 @@ def _questions(doubts: Sequence[str]) -> str:
 def _asked(arguments: Namespace) -> _Asked:
     """The cycle of a task, or of a recorded motion as it is, with the asked rest."""
     if arguments.csv is None:
-        resolved = resolve_task(asked_task(arguments, "paper", profiles=arguments.profile))
+        task = asked_task(arguments, "paper", profiles=arguments.profile)
+        resolved = resolve_task(_under_conditions(task, arguments))
         doubts = list(assess(resolved.robot, resolved.trajectories[0]).undecided)
         return _Asked(
             name=resolved.task.name,
-            cycle=_cycle(resolved, one_way=arguments.one_way),
+            cases=load_cases_of(resolved, one_way=arguments.one_way),
+            conditions=resolved.task.conditions,
             head=f"Task {resolved.task.name!r}, profile {resolved.trajectories[0].profile}{_questions(doubts)}",
             document={"task": resolved.task.document(), **({"undecided": doubts} if doubts else {})},
             code=UNDECIDED if doubts else 0,
@@ -84,45 +103,63 @@ def _asked(arguments: Namespace) -> _Asked:
     rest = (Dwell(duration=arguments.dwell),) if arguments.dwell else ()
     return _Asked(
         name=what.path,
-        cycle=Cycle(steps=(what.motion, *rest)),
+        cases=(LoadCase(name="", cycle=Cycle(steps=(what.motion, *rest))),),
+        conditions=_conditions(arguments, {}),
         head=f"{told(what)}{_questions(doubts)}\nThe cycle is the recorded motion alone",
         document={"file": what.path, "undecided": doubts},
         code=UNDECIDED if doubts else 0,
     )
 
 
-def _cycle(resolved: ResolvedTask, *, one_way: bool) -> Cycle:
-    """The task's first profile and, unless one way, the way back with an empty hand, each with the task's rest."""
-    motion = compute_motion(resolved.robot, resolved.trajectories[0])
-    dwell = resolved.task.dwell
-    if one_way:
-        return Cycle(steps=(motion, Dwell(duration=dwell)) if dwell else (motion,))
-    return with_return(motion, dwell=dwell, robot_back=resolved.robot.with_payload(None))
+def _under_conditions(task: Task, arguments: Namespace) -> Task:
+    """The task with the options' conditions in place of its own."""
+    document = task.document()
+    asked = _asked_conditions(arguments)
+    if not asked:
+        return task
+    return make_task({**document, "conditions": {**document.get("conditions", {}), **asked}}, origin=task.origin)
 
 
-def _own_sizing(arguments: Namespace, cycle: Cycle) -> Sizing:
+def _asked_conditions(arguments: Namespace) -> dict[str, Any]:
+    asked = {name: getattr(arguments, name) for name in CONDITIONS if getattr(arguments, name) is not None}
+    if "margins" in asked:
+        asked["margins"] = dict(asked["margins"])
+    return asked
+
+
+def _conditions(arguments: Namespace, own: dict[str, Any]) -> ConditionsSection:
+    return ConditionsSection(**{**own, **_asked_conditions(arguments)})
+
+
+def _own_sizing(arguments: Namespace, asked: _Asked) -> Sizing:
     """The arm's own drives, as far as a file, the built-in one, or its actuators alone tell."""
-    idle = [f"--{name}" for name in ("rank", "keep", "masses") if getattr(arguments, name) is not None]
+    idle = [f"--{name}" for name in ("rank", "keep", "masses", "same") if getattr(arguments, name) is not None]
     if idle:
         raise InputError(f"{', '.join(idle)} goes with --catalogue: name the parts to choose from")
-    robot = cycle.robot
     try:
-        trains = load_drivetrains(robot, arguments.drives)
+        trains = load_drivetrains(asked.cases[0].cycle.robot, arguments.drives)
     except InputError as error:
         raise InputError(f"{error}, or choose drives: --catalogue FILE") from error
-    return size(cycle, drivetrains=trains)
+    return size(asked.cases, drivetrains=trains, conditions=conditions_of(asked.conditions))
 
 
-def _selection(arguments: Namespace, cycle: Cycle) -> Selection:
+def _selection(arguments: Namespace, asked: _Asked) -> Selection:
     """From a catalogue, with the electronics of a drives file where one is given."""
-    places = None if arguments.drives is None else load_drivetrains(cycle.robot, arguments.drives)
+    robot = asked.cases[0].cycle.robot
+    places = None if arguments.drives is None else load_drivetrains(robot, arguments.drives)
+    own = None if asked.conditions is None else asked.conditions.own_masses
+    if own is not None and arguments.masses is None:
+        raise InputError("own masses are taken off where drives are placed on the arm: they go with --masses")
     return size(
-        cycle,
+        asked.cases,
         catalogue=_catalogue(arguments.catalogue),
         drivetrains=places,
+        conditions=conditions_of(asked.conditions),
         rank=arguments.rank or "mass",
         keep=arguments.keep or _KEPT,
         masses=arguments.masses,
+        own_masses=own,
+        same=arguments.same or (),
     )
 
 
@@ -137,19 +174,20 @@ def _catalogue(files: list[str]) -> Catalogue:
     return load_catalogue(*files)
 
 
-def _text(arguments: Namespace, asked: _Asked, found: Sizing | Selection) -> str:
+def _text(arguments: Namespace, asked: _Asked, found: Sizing | Selection, document: dict[str, Any]) -> str:
     if arguments.format == "json":
-        return to_json({**asked.document, **found.to_dict()})
+        return to_json(document)
     if arguments.format == "csv":
         return checks_csv(found) if isinstance(found, Sizing) else pairs_csv(found)
-    steps = [_step(step) for step in found.cycle.steps]
-    head = f"{asked.head}: {', '.join(steps)}"
+    steps = [_step(step) for step in found.load_cases[0].cycle.steps]
+    case = f" of {found.load_cases[0].name!r}" if found.load_cases[0].name else ""
+    head = f"{asked.head}{case}: {', '.join(steps)}"
     return "\n\n".join([wrapped(head), wrapped(str(found)), *_more(found)])
 
 
 def _step(step: Motion | Dwell) -> str:
     if isinstance(step, Dwell):
-        return f"rest {step.duration:g} s"
+        return f"rest {step.duration:g} s" + (" under brakes" if step.holding_brake else "")
     payload = step.robot.payload
     return f"move {step.trajectory.duration:g} s with {0 if payload is None else payload.mass:g} kg"
 
@@ -161,27 +199,29 @@ def _more(found: Sizing | Selection) -> list[str]:
     return ["The first pair of each joint:", wrapped(str(found.sizing))]
 
 
-def _write_folder(arguments: Namespace, found: Sizing | Selection, title: str) -> None:
-    """Report, document, one table of checks, one of pairs, a load profile per motor, and figures."""
+def _write_folder(arguments: Namespace, found: Sizing | Selection, document: dict[str, Any], title: str) -> None:
+    """Report, document, tables of parts, checks and pairs, load profiles, and figures."""
     sizing = found if isinstance(found, Sizing) else found.sizing
     with new_folder(arguments.out, overwrite=arguments.force) as folder:
-        (folder / "sizing.json").write_text(to_json(found.to_dict()), encoding="utf-8")
-        if isinstance(found, Selection):
-            (folder / "pairs.csv").write_text(pairs_csv(found), encoding="utf-8")
-        if sizing is None:
-            return
-        (folder / "checks.csv").write_text(checks_csv(sizing), encoding="utf-8")
-        joints = sizing.cycle.joint_names
-        for name, part in zip(joints, file_names(joints), strict=True):
-            profile = load_profile_csv(sizing.motor_load_profile(name))
-            (folder / f"load-profile-{part}.csv").write_text(profile, encoding="utf-8")
+        (folder / "sizing.json").write_text(to_json(document), encoding="utf-8")
         # Templates, the replay and matplotlib take longer to load than everything else takes to compute.
         from puma_septic.pictures.sizing import sizing_pictures
         from puma_septic.report.figures import write_png
         from puma_septic.report.page import report_html
         from puma_septic.report.svg import write_svg
 
-        (folder / "report.html").write_text(report_html(sizing, title=title), encoding="utf-8")
+        (folder / "report.html").write_text(report_html(found, title=title, document=document), encoding="utf-8")
+        if isinstance(found, Selection):
+            (folder / "pairs.csv").write_text(pairs_csv(found), encoding="utf-8")
+            (folder / "bill-of-material.csv").write_text(bill_csv(document), encoding="utf-8")
+        if sizing is None:
+            return
+        (folder / "checks.csv").write_text(checks_csv(sizing), encoding="utf-8")
+        joints = sizing.cycle.joint_names
+        for name, part in zip(joints, file_names(joints), strict=True):
+            motor, load = sizing.motor_load_profile(name), sizing.load_profile(name)
+            (folder / f"motor-profile-{part}.csv").write_text(motor_profile_csv(motor), encoding="utf-8")
+            (folder / f"load-profile-{part}.csv").write_text(load_profile_csv(load), encoding="utf-8")
         pictures = sizing_pictures(sizing)
         write_svg(folder, pictures)
         write_png(folder, pictures)

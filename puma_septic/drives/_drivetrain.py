@@ -51,6 +51,8 @@ class Drivetrain:
         Torque at the gearbox's output in a collision or emergency stop, N m (N); NaN: unknown.
     required_life_hours : float
         Operating hours that the gearbox is to last; NaN: none asked for.
+    max_inertia_ratio : float
+        Largest ratio of the load's inertia, gears included, to the rotor's that is accepted; NaN: any.
 
     Raises
     ------
@@ -74,12 +76,14 @@ class Drivetrain:
     max_effort: float = np.nan
     momentary_torque: float = np.nan
     required_life_hours: float = np.nan
+    max_inertia_ratio: float = np.nan
 
     def __post_init__(self) -> None:
         checked_number("ambient_celsius", self.ambient_celsius, unit="degrees Celsius", above=ABSOLUTE_ZERO_CELSIUS)
         if not np.isnan(self.armature):
             checked_number("armature", self.armature, unit="kg m^2", at_least=0.0)
-        for name, unit in (("max_effort", "N m"), ("momentary_torque", "N m"), ("required_life_hours", "h")):
+        positive = {"max_effort": "N m", "momentary_torque": "N m", "required_life_hours": "h", "max_inertia_ratio": ""}
+        for name, unit in positive.items():
             if not np.isnan(getattr(self, name)):
                 checked_number(name, getattr(self, name), unit=unit, above=0.0)
         if self.measured_friction is not None:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, final
+from typing import Any, Final, final
 
 from markupsafe import Markup
 
@@ -17,14 +17,15 @@ from puma_septic.pictures import Picture
 from puma_septic.pictures.comparison import comparison_picture
 from puma_septic.pictures.sizing import sizing_pictures
 from puma_septic.report._documents import profile_labels
-from puma_septic.sizing import Sizing
+from puma_septic.sizing import LoadCase, Selection, Sizing
 from puma_septic.task import ResolvedTask
 from puma_septic.views import profiles as view
+from puma_septic.views import selection as selection_view
 from puma_septic.views.tables import html_table
 
 __all__ = ["Case", "Reported", "case_of", "reason", "task_case"]
 
-Reported = Assessment | Sequence[Assessment] | Comparison | Sizing | PaperReport
+Reported = Assessment | Sequence[Assessment] | Comparison | Sizing | Selection | PaperReport
 # More curves than colours in one chart are told apart by nobody.
 _MOST_DRAWN: Final = 6
 
@@ -50,6 +51,10 @@ class Case:
         Of a comparison or sizing, after the preface.
     resolved : ResolvedTask or None
         The task, where there is one.
+    inputs : mapping or None
+        Of a sizing: what repeats it.
+    is_undecided : bool
+        Whether too little is known of the parts.
     """
 
     title: str
@@ -61,11 +66,13 @@ class Case:
     preface: Markup = Markup("")  # noqa: RUF009 - a constant text
     pictures: tuple[Picture, ...] = ()
     resolved: ResolvedTask | None = None
+    inputs: Mapping[str, Any] | None = None
+    is_undecided: bool = False
 
     @property
     def word(self) -> str:
         """The verdict in a word, and that it rests on doubtful data if it does."""
-        if any(one.undecided for one in self.assessments):
+        if self.is_undecided or any(one.undecided for one in self.assessments):
             return "undecided"
         word = "feasible" if self.is_feasible else "infeasible"
         return f"{word}, on doubtful data" if self.doubts else word
@@ -81,7 +88,7 @@ class Case:
         return "bad" if not self.is_feasible else "doubtful" if self.doubts else "good"
 
 
-def case_of(what: Reported, title: str | None) -> Case:
+def case_of(what: Reported, title: str | None, document: Mapping[str, Any] | None = None) -> Case:
     """The section of a value; its robot's name is the title where none is given.
 
     Raises
@@ -92,7 +99,9 @@ def case_of(what: Reported, title: str | None) -> Case:
     if isinstance(what, Comparison):
         return _comparison_case(what, title)
     if isinstance(what, Sizing):
-        return _sizing_case(what, title)
+        return _sizing_case(what, title, what.to_dict() if document is None else document)
+    if isinstance(what, Selection):
+        return _selection_case(what, title, what.to_dict() if document is None else document)
     if isinstance(what, PaperReport):
         return _paper_case(what, title)
     group = (what,) if isinstance(what, Assessment) else tuple(what)
@@ -170,20 +179,52 @@ def _comparison_case(comparison: Comparison, title: str | None) -> Case:
     )
 
 
-def _sizing_case(sizing: Sizing, title: str | None) -> Case:
-    group = tuple(assess(step) for step in sizing.cycle.steps if isinstance(step, Motion))
+def _sizing_case(sizing: Sizing, title: str | None, document: Mapping[str, Any]) -> Case:
+    group = _moves(sizing.load_cases)
     return Case(
         title=_titled(group, title),
         assessments=group,
         labels=profile_labels(group),
         is_feasible=sizing.is_feasible,
         sentence=f"The drives are {sizing.verdict}.",
-        preface=_boxed(
-            f"{sizing._repr_html_()}<p>Below the charts of the drives are the motions of the cycle, checked against the"
-            " robot's limits.</p>"
-        ),
+        preface=_boxed(sizing._repr_html_() + _BELOW),
         pictures=sizing_pictures(sizing),
+        inputs=_repeating(document),
     )
+
+
+def _selection_case(selection: Selection, title: str | None, document: Mapping[str, Any]) -> Case:
+    """What was chosen first, then how it fares."""
+    group = _moves(selection.load_cases)
+    sizing = selection.sizing
+    chosen = "" if sizing is None else f"<h3>The first pair of each joint</h3>{sizing._repr_html_()}{_BELOW}"
+    verdict = selection.verdict
+    return Case(
+        title=_titled(group, title),
+        assessments=group,
+        labels=profile_labels(group),
+        is_feasible=selection.is_feasible,
+        sentence=f"{verdict[0].upper()}{verdict[1:]}.",
+        preface=_boxed(selection_view.html(document) + chosen),
+        pictures=() if sizing is None else sizing_pictures(sizing),
+        inputs=_repeating(document),
+        is_undecided=not selection.can_be_decided,
+    )
+
+
+_BELOW: Final = (
+    "<p>Below the charts of the drives are the motions of the first load case, checked against the robot's limits.</p>"
+)
+# Keys of a sizing's document that say what was asked.
+_ASKED: Final = ("task", "file", "inputs", "rank", "conditions", "load_cases", "catalogue")
+
+
+def _moves(cases: Sequence[LoadCase]) -> tuple[Assessment, ...]:
+    return tuple(assess(step) for step in cases[0].cycle.steps if isinstance(step, Motion))
+
+
+def _repeating(document: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: document[key] for key in _ASKED if document.get(key)}
 
 
 def _paper_case(report: PaperReport, title: str | None) -> Case:

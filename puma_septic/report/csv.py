@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -14,13 +14,23 @@ from puma_septic.piecewise import Piecewise
 from puma_septic.quantities import MOTION, QUANTITIES
 from puma_septic.report._documents import profile_labels
 from puma_septic.robot import Robot
-from puma_septic.sizing import MotorLoadProfile, Selection, Sizing
+from puma_septic.sizing import LoadProfile, MotorLoadProfile, Selection, Sizing
 from puma_septic.task import ResolvedTask
 from puma_septic.validation import Array
+from puma_septic.views import selection as selection_view
 from puma_septic.views import sizing as sizing_view
 from puma_septic.views.assessment import metrics_csv as metrics
 
-__all__ = ["checks_csv", "load_profile_csv", "metrics_csv", "named_metrics_csv", "pairs_csv", "samples_csv"]
+__all__ = [
+    "bill_csv",
+    "checks_csv",
+    "load_profile_csv",
+    "metrics_csv",
+    "motor_profile_csv",
+    "named_metrics_csv",
+    "pairs_csv",
+    "samples_csv",
+]
 
 # A fine line on a wide screen; the instants of steps are added.
 _SAMPLES: Final = 1001
@@ -86,25 +96,47 @@ def checks_csv(sizing: Sizing) -> str:
     return sizing_view.checks_csv(sizing.to_dict())
 
 
+def bill_csv(document: Mapping[str, Any]) -> str:
+    """The bill of material of a selection's document: one row for each part, and what it is for."""
+    return selection_view.bill_csv(document)
+
+
 def pairs_csv(selection: Selection) -> str:
-    """One row for each joint and pair of the catalogue: accepted, or the check that it fails worst."""
+    """One row for each joint and pair of the catalogue: accepted, not decidable, or the check that it fails worst."""
     catalogue = selection.catalogue
     rows: list[list[Any]] = [["joint", "motor", "gearbox", "feasible", "worst violation", "utilisation at least"]]
     for one in selection.joints:
+        reasons = one.reasons
         pairs = zip(catalogue.motor_index.tolist(), catalogue.gearbox_index.tolist(), strict=True)
         for k, (i, j) in enumerate(pairs):
-            verdict = "yes" if one.is_feasible[k] else "no"
+            verdict = "yes" if one.is_feasible[k] else ("undecided" if one.is_undecided[k] else "no")
             use = "unbounded" if one.utilisation[k] == float("inf") else repr(float(one.utilisation[k]))
             names = [catalogue.motors[i].name, catalogue.gearboxes[j].name]
-            rows.append([one.joint, *names, verdict, one.reasons[k], use])
+            rows.append([one.joint, *names, verdict, reasons[k], use])
     return csv_text(rows)
 
 
-def load_profile_csv(profile: MotorLoadProfile) -> str:
-    """Time, speed and torque of a motor, sampled: the three columns that the tools of motor makers ask for."""
+def motor_profile_csv(profile: MotorLoadProfile) -> str:
+    """Time, speed and torque of a motor, with its own rotor and friction: what its drive must give."""
     columns = zip(profile.time.tolist(), profile.speed_rpm.tolist(), profile.torque.tolist(), strict=True)
     rows = ([f"{value:.9g}" for value in row] for row in columns)
-    return csv_text([["time [s]", "speed [rpm]", "torque [N m]"], *rows])
+    return csv_text([["time [s]", "motor speed [rpm]", "whole motor torque, rotor and friction included [N m]"], *rows])
+
+
+def load_profile_csv(profile: LoadProfile) -> str:
+    """The load of a joint at the gearbox's output, without motor and gears: what the tools of motor makers ask for.
+
+    Where the torque steps there are two rows for one instant.
+    """
+    length, force = ("m", "N") if profile.is_prismatic else ("rad", "N m")
+    inertia = "kg" if profile.is_prismatic else "kg m^2"
+    headers = [
+        "time [s]", f"position [{length}]", f"speed at the gearbox output [{length}/s]",
+        f"load at the gearbox output, without rotor, gears and friction [{force}]", f"inertia of the load [{inertia}]",
+    ]  # fmt: skip
+    columns = [profile.time, profile.position, profile.speed, profile.torque, profile.inertia]
+    rows = ([f"{value:.9g}" for value in row] for row in zip(*(c.tolist() for c in columns), strict=True))
+    return csv_text([headers, *rows])
 
 
 def _sampled(series: Piecewise) -> tuple[Array, list[str], Array]:

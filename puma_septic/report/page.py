@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, final
@@ -58,7 +58,13 @@ class Section:
     times: list[list[float]]
 
 
-def report_html(what: Reported, *, title: str | None = None, notes: Sequence[str] = ()) -> str:
+def report_html(
+    what: Reported,
+    *,
+    title: str | None = None,
+    notes: Sequence[str] = (),
+    document: Mapping[str, Any] | None = None,
+) -> str:
     """The report of a motion, or of several side by side, as one HTML page.
 
     The verdict comes first; then how much of each limit is used, the replay, torque with its causes, the torque-speed
@@ -67,12 +73,14 @@ def report_html(what: Reported, *, title: str | None = None, notes: Sequence[str
 
     Parameters
     ----------
-    what : Assessment, sequence of Assessment, Comparison, Sizing or PaperReport
+    what : Assessment, sequence of Assessment, Comparison, Sizing, Selection or PaperReport
         Of one arm. Of a comparison the best profiles are drawn, and all are in its tables.
     title : str, optional
         Heading; the robot's name by default.
     notes : sequence of str
         What else a reader must know, such as how a log was read; it stands below the verdict.
+    document : mapping, optional
+        Of a sizing or selection: its document with what repeats it, which stands among the inputs.
 
     Returns
     -------
@@ -91,7 +99,7 @@ def report_html(what: Reported, *, title: str | None = None, notes: Sequence[str
     >>> html[:15], "Feasible" in html
     ('<!DOCTYPE html>', True)
     """
-    case = case_of(what, title)
+    case = case_of(what, title, document)
     if notes:
         items = Markup("").join(Markup("<li>{}</li>").format(note) for note in notes)
         case = replace(case, preface=Markup("<ul>{}</ul>").format(items) + case.preface)
@@ -196,9 +204,12 @@ def _head(assessments: Sequence[Assessment], resolved: ResolvedTask | None) -> s
 
 def _inputs(case: Case) -> tuple[str, str]:
     """How to repeat it, and the inputs with all their digits."""
-    if case.resolved is not None:
+    if case.inputs:
+        how = "The inputs are the task, the files and the options of puma-septic size, and what every part was held to."
+        document: Any = case.inputs
+    elif case.resolved is not None:
         how = "The inputs are a task file: save them as task.yaml and run puma-septic assess task.yaml."
-        document: Any = case.resolved.task.document()
+        document = case.resolved.task.document()
     else:
         how = "The inputs are what the profiles were made from and what was assessed."
         document = [

@@ -1,23 +1,30 @@
 """Motors and gearboxes checked against a duty cycle: strong enough, and by how much."""
 
+from puma_septic.sizing._candidates import Candidate
+from puma_septic.sizing._conditions import Conditions
 from puma_septic.sizing._demands import Demands, Peak
 from puma_septic.sizing._drive_masses import select_consistent, with_drive_masses
 from puma_septic.sizing._gearbox import allowed_momentary_peaks, average_torque
-from puma_septic.sizing._joint_selection import Candidate, JointSelection
+from puma_septic.sizing._joint_selection import JointSelection
+from puma_septic.sizing._load_cases import LoadCase
 from puma_septic.sizing._loads import JointLoad, MotorLoad, joint_load, motor_load
 from puma_septic.sizing._ratios import LoadMoments, RatioWindow, accelerating_factor, load_moments, ratio_window
-from puma_septic.sizing._result import MotorLoadProfile, Sizing
+from puma_septic.sizing._result import LoadProfile, MotorLoadProfile, Sizing
 from puma_septic.sizing._selection import Selection
 from puma_septic.sizing._size import size
+from puma_septic.sizing._task_cases import conditions_of, load_cases_of
 from puma_septic.sizing._thermal import overload_time
 from puma_septic.sizing._torque_speed import torque_at_speed
 
 __all__ = [
     "Candidate",
+    "Conditions",
     "Demands",
     "JointLoad",
     "JointSelection",
+    "LoadCase",
     "LoadMoments",
+    "LoadProfile",
     "MotorLoad",
     "MotorLoadProfile",
     "Peak",
@@ -27,7 +34,9 @@ __all__ = [
     "accelerating_factor",
     "allowed_momentary_peaks",
     "average_torque",
+    "conditions_of",
     "joint_load",
+    "load_cases_of",
     "load_moments",
     "motor_load",
     "overload_time",

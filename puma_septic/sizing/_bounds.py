@@ -13,7 +13,7 @@ from puma_septic.sizing._load_features import LoadGrid
 from puma_septic.sizing._pair_features import PairTable
 from puma_septic.validation import Array
 
-__all__ = ["Bounds", "PairDemands", "utilisation"]
+__all__ = ["Bounds", "PairDemands", "expected_lives", "utilisation"]
 
 # Lower and upper bound of a demand, or of a utilisation, each of shape (n_pairs,); NaN: not assessed.
 Bounds = tuple[Array, Array]
@@ -37,10 +37,13 @@ class PairDemands:
     ----------
     grid : LoadGrid
     table : PairTable
+    momentary_torque_at_joint : float
+        Of a collision or emergency stop.
     """
 
     grid: LoadGrid
     table: PairTable
+    momentary_torque_at_joint: float
 
     def limit(self, part: str, name: str) -> Array:
         """A value of each pair's motor, gearbox or drive.
@@ -180,7 +183,19 @@ class PairDemands:
     @property
     def momentary_torque(self) -> Bounds:
         """At the gearbox's output."""
-        return self._same(self.table.place.momentary_torque)
+        return self._same(self.momentary_torque_at_joint)
+
+    @property
+    def load_inertia_ratio(self) -> Bounds:
+        """Of the load, gears included, to the rotor."""
+        load = self.grid.inertia / self.table.ratio**2 + np.nan_to_num(self.table.gearbox("inertia"))
+        with np.errstate(divide="ignore"):
+            return _exact(load / self.table.motor("rotor_inertia"))
+
+    @property
+    def max_inertia_ratio(self) -> Array:
+        """Limit of `load_inertia_ratio`."""
+        return np.full(len(self.table.ratio), self.table.place.max_inertia_ratio)
 
     @property
     def required_life_hours(self) -> Bounds:
@@ -190,7 +205,7 @@ class PairDemands:
     @property
     def expected_life_hours(self) -> Array:
         """Of the gearbox."""
-        return _life(self.grid, self.table)
+        return expected_lives(self.grid, self.table)
 
 
 def _exact(demand: Array) -> Bounds:
@@ -333,8 +348,13 @@ def _electric(grid: LoadGrid, table: PairTable, rms: Array, peak: Bounds, power:
     }
 
 
-def _life(grid: LoadGrid, table: PairTable) -> Array:
-    """Expected life, h; it depends on the gearbox alone."""
+def expected_lives(grid: LoadGrid, table: PairTable) -> Array:
+    """Expected life of each pair's gearbox, h; it depends on the gearbox alone.
+
+    Returns
+    -------
+    ndarray, shape (n_pairs,)
+    """
     torque = grid.average_torque if grid.load.moves else 0.0
     lives = [
         expected_life(
@@ -346,4 +366,4 @@ def _life(grid: LoadGrid, table: PairTable) -> Array:
         )
         for gearbox in table.catalogue.gearboxes
     ]
-    return np.array(lives)[table.catalogue.gearbox_index]
+    return np.array(lives)[table.gearbox_index]

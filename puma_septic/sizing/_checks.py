@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from dataclasses import dataclass
 from typing import Final, final
 
@@ -64,6 +64,8 @@ class DriveLimit:
         A property of `Demands` that tells why there is no demand.
     unless : str
         A value of a part; where it is known the limit does not apply.
+    asked : str
+        A property of both; where it is not known the limit is not asked for, and not listed as not assessed.
 
     Raises
     ------
@@ -80,6 +82,7 @@ class DriveLimit:
     needs: str
     why: str = ""
     unless: str = ""
+    asked: str = ""
 
     def __post_init__(self) -> None:
         homes = [Demands] if self.kind == "rule of thumb" else [Demands, PairDemands]
@@ -98,6 +101,8 @@ class DriveLimit:
         """
         joint = demands.load.joint
         if self.unless and not np.isnan(_value(demands, self.unless)):
+            return None
+        if self.asked and np.isnan(_value(demands, self.asked)):
             return None
         if self.why and (reason := getattr(demands, self.why)):
             return NotAssessed(joint=joint, quantity=self.quantity, reason=reason)
@@ -183,6 +188,11 @@ DRIVE_LIMITS: Final = (
         needs="the motor's rotor inertia and recommended inertia ratio",
     ),
     DriveLimit(
+        quantity="load inertia over rotor inertia", demand="load_inertia_ratio", limit="max_inertia_ratio", unit="",
+        kind="vendor procedure", source="condition; counted as Yaskawa, Sigma-V manual E-V-MD, p. 2-5",
+        needs="the motor's rotor inertia and a limit that rejects", asked="max_inertia_ratio",
+    ),
+    DriveLimit(
         quantity="peak current", demand="peak_current", limit="drive.peak_current", unit="A", kind="physics",
         needs="torque constant and the drive's peak current",
     ),
@@ -256,13 +266,29 @@ def assess_joint(demands: Demands) -> tuple[Outcome, ...]:
     return tuple(outcome for limit in DRIVE_LIMITS if (outcome := limit.outcome(demands)) is not None)
 
 
-def utilisation_bounds(grid: LoadGrid, table: PairTable) -> dict[str, Bounds]:
+def utilisation_bounds(
+    grid: LoadGrid, table: PairTable, *, momentary_torque: float = np.nan, only: Container[str] | None = None
+) -> dict[str, Bounds]:
     """Utilisation of each limit that can reject by all pairs at a joint.
+
+    Parameters
+    ----------
+    grid : LoadGrid
+    table : PairTable
+    momentary_torque : float
+        At the gearbox's output; the joint's own where it is not known.
+    only : container of str, optional
+        The checks that count.
 
     Returns
     -------
     dict of str to Bounds
         By the quantities of `assess_joint`.
     """
-    demands = PairDemands(grid=grid, table=table)
-    return {limit.quantity: limit.bounds(demands) for limit in DRIVE_LIMITS if limit.kind != "rule of thumb"}
+    momentary = float(np.fmax(momentary_torque, table.place.momentary_torque))
+    demands = PairDemands(grid=grid, table=table, momentary_torque_at_joint=momentary)
+    return {
+        limit.quantity: limit.bounds(demands)
+        for limit in DRIVE_LIMITS
+        if limit.kind != "rule of thumb" and (only is None or limit.quantity in only)
+    }

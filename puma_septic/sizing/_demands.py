@@ -138,6 +138,24 @@ class Demands:
         return Peak(float(found.max[0]) / self.train.reflected_inertia, float(found.t_max[0]))
 
     @cached_property
+    def load_inertia_ratio(self) -> Peak:
+        """Largest inertia of the load at the motor, with that of the gears, over the rotor's alone.
+
+        So the makers of motors count, as Yaskawa, Sigma-V manual E-V-MD, p. 2-5: ``J_L = J_L1 + J_B + J_G``.
+        """
+        rotor = self.train.motor.rotor_inertia
+        if not rotor > 0:
+            return _UNKNOWN
+        found = self.load.inertia.extrema()
+        gears = float(np.nan_to_num(self.train.gearbox.inertia))
+        return Peak((float(found.max[0]) / self.train.ratio**2 + gears) / rotor, float(found.t_max[0]))
+
+    @property
+    def max_inertia_ratio(self) -> float:
+        """Limit of `load_inertia_ratio`, where one is asked for."""
+        return self.train.max_inertia_ratio
+
+    @cached_property
     def peak_voltage(self) -> Peak:
         """At the terminals of the equivalent direct-current motor, V."""
         motor = self.train.motor

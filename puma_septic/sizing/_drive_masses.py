@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final, Literal
 
@@ -14,10 +15,11 @@ from puma_septic.drives import Catalogue
 from puma_septic.errors import InputError
 from puma_septic.motion import compute_motion
 from puma_septic.robot import Robot
-from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_cycle, checked_drivetrains
+from puma_septic.sizing._conditions import Conditions
+from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_drivetrains
 from puma_septic.sizing._joint_selection import JointSelection, Rank, select_joint
-from puma_septic.sizing._loads import joint_load
-from puma_septic.sizing._selection import Selection, checked_rank
+from puma_septic.sizing._load_cases import LoadCase, joint_cases
+from puma_septic.sizing._selection import Selection, checked_rank, select
 from puma_septic.validation import Array, checked_array
 
 __all__ = ["PLACEMENTS", "Placement", "select_consistent", "with_drive_masses"]
@@ -61,7 +63,7 @@ def with_drive_masses(robot: Robot, masses: ArrayLike, *, placement: Placement =
 
 
 def select_consistent(
-    cycle: Cycle,
+    cases: tuple[LoadCase, ...],
     catalogue: Catalogue,
     *,
     placement: Placement = "before",
@@ -69,39 +71,45 @@ def select_consistent(
     rank: Rank = "mass",
     keep: int | None = 5,
     places: GivenDrivetrains | None = None,
+    conditions: Conditions | None = None,
+    same: Sequence[Sequence[str]] = (),
 ) -> Selection:
-    """Choose from the wrist to the base, each drive's mass on the arm when the joints before it are chosen.
+    """Choose with each drive's mass on the arm when the joints before it are chosen.
 
-    A joint's torque depends on what lies beyond it. With drives on the link before their joint, one pass is therefore
-    consistent; a joint that carries its own drive is chosen again until its choice stays. Pairs of unknown mass count
-    as weightless.
+    A joint's torque depends on what lies beyond it. With drives on the link before their joint, one pass from the wrist
+    to the base is therefore consistent; a joint that carries its own drive is chosen again until its choice stays, and
+    so are all joints where some are to have one size. Pairs of unknown mass count as weightless.
 
     Parameters
     ----------
-    cycle : Cycle
+    cases : tuple of LoadCase
     catalogue : Catalogue
     placement : {"before", "at"}
     own_masses : array_like, shape (n_joints,), optional
         Of the drives that the arm's model includes, kg, taken off first; none by default.
-    rank, keep, places
+    rank, keep, places, conditions, same
         See `size`.
     """
-    n = len(checked_cycle(cycle).joint_names)
+    names = cases[0].cycle.joint_names
+    n = len(names)
     checked_rank(rank, keep)
-    given = None if places is None else checked_drivetrains(cycle, places)
+    asked = Conditions() if conditions is None else conditions
+    given = asked.places(names, None if places is None else checked_drivetrains(cases[0].cycle, places))
     own = np.zeros(n) if own_masses is None else checked_array("own_masses", own_masses, (n,), unit="kg")
     masses, notes = np.zeros(n), [f"masses of the chosen drives on the link {_WORDS[placement]} each joint"]
     joints: dict[int, JointSelection] = {}
-    loaded = _loaded(cycle, masses - own, placement)
+    loaded = _loaded(cases, masses - own, placement)
     for j in reversed(range(n)):
         seen: list[float] = []
         for _ in range(_MOST_ROUNDS):
-            joints[j] = select_joint(joint_load(loaded, j), catalogue, j, rank=rank, keep=keep, places=given)
+            joints[j] = select_joint(
+                joint_cases(loaded, j), catalogue, j, rank=rank, keep=keep, places=given, conditions=asked
+            )
             seen.append(_mass(joints[j]))
             if masses[j] == seen[-1]:
                 break
             masses[j] = seen[-1]
-            loaded = _loaded(cycle, masses - own, placement)
+            loaded = _loaded(cases, masses - own, placement)
             if placement == "before":
                 break
         else:
@@ -109,9 +117,37 @@ def select_consistent(
             notes.append(f"{joints[j].joint}: did not settle in {_MOST_ROUNDS} rounds (masses tried: {tried} kg)")
     if any(np.isnan(one.best.mass) for one in joints.values() if one.best is not None):
         notes.append("chosen pairs of unknown mass count as weightless")
-    notes.append("masses added: " + ", ".join(f"{mass:g}" for mass in (masses - own).tolist()) + " kg")
-    chosen = tuple(joints[j] for j in range(n))
-    return Selection(cycle=loaded, catalogue=catalogue, rank=rank, joints=chosen, notes=tuple(notes))
+    found = Selection(
+        load_cases=loaded,
+        catalogue=catalogue,
+        rank=rank,
+        joints=tuple(joints[j] for j in range(n)),
+        conditions=asked,
+        notes=tuple(notes),
+    )
+    if same:
+        found = _with_common_sizes(found, cases, own, placement, same)
+    added = np.array([_mass(one) for one in found.joints]) - own
+    told = "masses added: " + ", ".join(f"{mass:g}" for mass in added.tolist()) + " kg"
+    return replace(found, notes=(*found.notes, told))
+
+
+def _with_common_sizes(
+    found: Selection, cases: tuple[LoadCase, ...], own: Array, placement: Placement, same: Sequence[Sequence[str]]
+) -> Selection:
+    """Choose all joints again on the arm with the last choice, until the choice stays."""
+    keep = max(1, *(len(one.kept) for one in found.joints))
+    for _ in range(_MOST_ROUNDS):
+        before = np.array([_mass(one) for one in found.joints])
+        loaded = _loaded(cases, before - own, placement)
+        again = select(
+            loaded, found.catalogue, rank=found.rank, keep=keep, places=found.joints[0].places,
+            conditions=found.conditions, same=same,
+        )  # fmt: skip
+        found = replace(again, notes=(*found.notes[:1], *again.notes))
+        if [_mass(one) for one in found.joints] == before.tolist():
+            return found
+    return replace(found, notes=(*found.notes, f"the common sizes did not settle in {_MOST_ROUNDS} rounds"))
 
 
 _WORDS: Final = {"before": "before", "at": "moved by"}
@@ -121,10 +157,14 @@ def _mass(one: JointSelection) -> float:
     return 0.0 if one.best is None else float(np.nan_to_num(one.best.mass))
 
 
-def _loaded(cycle: Cycle, masses: Array, placement: Placement) -> Cycle:
-    """The cycle with masses on its arm."""
+def _loaded(cases: tuple[LoadCase, ...], masses: Array, placement: Placement) -> tuple[LoadCase, ...]:
+    """The load cases with masses on their arm."""
     if not masses.any():
-        return cycle
+        return cases
+    return tuple(replace(case, cycle=_loaded_cycle(case.cycle, masses, placement)) for case in cases)
+
+
+def _loaded_cycle(cycle: Cycle, masses: Array, placement: Placement) -> Cycle:
     return Cycle(
         steps=tuple(
             step

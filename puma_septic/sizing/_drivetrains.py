@@ -11,17 +11,10 @@ from puma_septic.cycle import Cycle
 from puma_septic.drives import Drivetrain
 from puma_septic.errors import InputError
 
-__all__ = ["GivenDrivetrains", "checked_cycle", "checked_drivetrains", "checked_ratios"]
+__all__ = ["GivenDrivetrains", "checked_drivetrains", "checked_ratios"]
 
 # In the robot's order, or by joint name.
 GivenDrivetrains = Iterable[Drivetrain] | Mapping[str, Drivetrain]
-
-
-def checked_cycle(cycle: object) -> Cycle:
-    """A cycle, or an InputError that says how to make one."""
-    if not isinstance(cycle, Cycle):
-        raise InputError(f"size takes a Cycle, got {type(cycle).__name__}; Cycle(steps=[motion]) makes one of a motion")
-    return cycle
 
 
 def checked_drivetrains(cycle: Cycle, given: object) -> tuple[Drivetrain, ...]:

@@ -3,131 +3,123 @@
 from __future__ import annotations
 
 from bisect import insort
-from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Final, Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.drives import Catalogue, Drivetrain
-from puma_septic.limit_check import AT_LIMIT, LimitCheck, most_used_first
-from puma_septic.sizing._checks import assess_joint, utilisation_bounds
-from puma_septic.sizing._demands import Demands
-from puma_septic.sizing._load_features import LoadGrid, load_grid
-from puma_septic.sizing._loads import JointLoad, motor_load
-from puma_septic.sizing._pair_features import PairTable, pair_table
-from puma_septic.sizing._ratios import LoadMoments, RatioWindow, ratio_window
+from puma_septic.drives import Catalogue, Drivetrain, lacking_of_pairs, names_of
+from puma_septic.limit_check import AT_LIMIT, LimitCheck
+from puma_septic.sizing._bounds import expected_lives
+from puma_septic.sizing._candidates import Candidate, assessed
+from puma_septic.sizing._checks import DRIVE_LIMITS, utilisation_bounds
+from puma_septic.sizing._conditions import Conditions
+from puma_septic.sizing._load_cases import LIFE, JointCase, shared_life
+from puma_septic.sizing._pair_features import PairParts, PairTable, pair_parts
 from puma_septic.validation import Array, checked_choice
 
-__all__ = ["RANKS", "Candidate", "JointSelection", "Rank", "select_joint"]
+__all__ = ["RANKS", "JointSelection", "Rank", "select_joint"]
 
 Rank = Literal["mass", "cost", "margin"]
 RANKS: Final[tuple[Rank, ...]] = ("mass", "cost", "margin")
 _UNBOUNDED: Final = "unbounded torque (a velocity steps)"
-# A limit that is used by more than this is violated whatever the rounding, see `LimitCheck.is_violated`.
+# What is left by more than this of what may be used is not kept whatever the rounding, see `Conditions.is_kept`.
 _CERTAIN: Final = 1 + 10 * AT_LIMIT
-
-
-@final
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Candidate:
-    """A pair that is strong enough, assessed in full.
-
-    Attributes
-    ----------
-    demands : Demands
-        With the drive train; see `Sizing`.
-    checks : tuple of LimitCheck
-        All limits that are known, the most used first.
-    mass, cost : float
-        Of motor and gearbox; NaN: unknown.
-    window : RatioWindow or None
-        Ratios that would do for this motor with this gearbox's inertia and efficiencies; None where its continuous
-        torque or the inertia is unknown. It knows of RMS torque and speed alone, and of no friction.
-    """
-
-    demands: Demands
-    checks: tuple[LimitCheck, ...]
-    mass: float
-    cost: float
-    window: RatioWindow | None
-
-    @property
-    def drivetrain(self) -> Drivetrain:
-        """What was assessed."""
-        return self.demands.train
-
-    @property
-    def motor(self) -> str:
-        """Name of the motor."""
-        return self.drivetrain.motor.name
-
-    @property
-    def gearbox(self) -> str:
-        """Name of the gearbox."""
-        return self.drivetrain.gearbox.name
-
-    @property
-    def governing(self) -> LimitCheck | None:
-        """The governing limit, rules of thumb apart; None where none is known."""
-        return next((check for check in self.checks if check.kind != "rule of thumb"), None)
-
-    @property
-    def margin(self) -> float:
-        """What is left of the governing limit, ``1 - demand / limit``; NaN where none is known."""
-        return np.nan if self.governing is None else self.governing.margin
+_NONE: Final = -1
 
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class JointSelection:
-    """All pairs of a catalogue at one joint, each accepted or rejected.
+    """All pairs of a catalogue at one joint: strong enough, not decidable, or rejected.
 
     Attributes
     ----------
     joint : str
     catalogue : Catalogue
     is_feasible : ndarray of bool, shape (n_pairs,)
-        Whether each pair breaks no known limit.
-    reasons : tuple of str
-        For each pair the check of its worst violation, by the bounds at hand; empty where it is feasible.
+        Whether each pair keeps every known limit with its margin, and enough is known of it (`LEAST_SET`).
+    is_undecided : ndarray of bool, shape (n_pairs,)
+        Whether it keeps every known limit, but too little is known.
     utilisation : ndarray, shape (n_pairs,)
-        Of that check, or of the one used most; a lower bound.
-    kept : tuple of Candidate
-        The best pairs, in order of rank.
+        Of the check of its worst violation, or of the one used most, over what may be used; a lower bound.
+    kept, undecided : tuple of Candidate
+        The best pairs of either kind, in order of rank.
     n_assessed : int
         Pairs that took a full assessment; the others are decided by bounds.
+    cases : tuple of JointCase
+    conditions : Conditions
+    places : tuple of Drivetrain or None
+    joint_index : int
     """
 
     joint: str
     catalogue: Catalogue
     is_feasible: NDArray[np.bool_]
-    reasons: tuple[str, ...]
+    is_undecided: NDArray[np.bool_]
     utilisation: Array
     kept: tuple[Candidate, ...]
+    undecided: tuple[Candidate, ...]
     n_assessed: int
+    cases: tuple[JointCase, ...]
+    conditions: Conditions
+    places: tuple[Drivetrain, ...] | None
+    joint_index: int
+    _lacking: NDArray[np.uint8] = field(repr=False)
+    _highest: Array = field(repr=False)
+    _reason: NDArray[np.int32] = field(repr=False)
+    _reason_names: tuple[str, ...] = field(repr=False)
 
     @property
     def best(self) -> Candidate | None:
-        """The first of those kept; None where no pair is strong enough."""
+        """The first of those that are strong enough; None where no pair is."""
         return self.kept[0] if self.kept else None
+
+    @property
+    def can_be_decided(self) -> bool:
+        """Whether a pair is strong enough, or each is rejected: not where all that are left are not decidable."""
+        return bool(self.kept) or not self.is_undecided.any()
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """For each pair the check of its worst violation, by the bounds at hand; empty where no limit rejects it.
+
+        Of several load cases that of the first that rejects it, in the order of their peak torques.
+        """
+        names = (*self._reason_names, "")
+        return tuple(names[k] for k in self._reason.tolist())
 
     @cached_property
     def rejections(self) -> dict[str, int]:
         """How many pairs each check rejects, as the one that they fail worst; the most frequent first."""
-        return dict(Counter(reason for reason in self.reasons if reason).most_common())
+        counts = np.bincount(self._reason[self._reason >= 0], minlength=len(self._reason_names))
+        order = np.argsort(-counts, kind="stable")
+        return {self._reason_names[k]: int(counts[k]) for k in order.tolist() if counts[k]}
+
+    @cached_property
+    def unknowns(self) -> dict[str, int]:
+        """How many undecidable pairs lack each member of the least set, the most frequent first."""
+        bits = self._lacking[self.is_undecided]
+        counts = {name: int(np.count_nonzero(bits >> k & 1)) for k, name in enumerate(names_of(255))}
+        return dict(sorted(((name, n) for name, n in counts.items() if n), key=lambda item: -item[1]))
 
     @property
     def explanation(self) -> str:
         """What became of the pairs, in one sentence."""
-        total, left = len(self.reasons), int(self.is_feasible.sum())
-        counts = ", ".join(f"{name} {count}" for name, count in self.rejections.items())
-        if left:
-            return f"{left} of {total} pairs are strong enough" + (f"; rejected by {counts}" if counts else "")
-        return f"none of {total} pairs is strong enough; reasons, most frequent first: {counts}"
+        total, left = len(self._reason), int(self.is_feasible.sum())
+        open_ = int(self.is_undecided.sum())
+        rejected = ", ".join(f"{name} {count}" for name, count in self.rejections.items())
+        unknown = ", ".join(f"{name} {count}" for name, count in self.unknowns.items())
+        start = f"{left} of {total} pairs are strong enough" if left else f"none of {total} pairs is strong enough"
+        parts = [start]
+        if open_:
+            parts.append(f"{open_} not decidable, for they do not tell {unknown}")
+        if rejected:
+            parts.append(f"rejected by {rejected}" if left else f"reasons, most frequent first: {rejected}")
+        return "; ".join(parts)
 
     def why(self, motor: str, gearbox: str) -> str:
         """What became of one pair; an unknown name lists the valid ones."""
@@ -140,109 +132,224 @@ class JointSelection:
         k = int(rows[0])
         if self.is_feasible[k]:
             return f"{motor} with {gearbox} is strong enough"
-        worst = f"{self.reasons[k]}: at least {self.utilisation[k]:.4g} times the limit"
-        return f"{motor} with {gearbox} is undersized; worst violation: {worst}"
+        if self.is_undecided[k]:
+            missing = ", ".join(names_of(int(self._lacking[k])))
+            return f"{motor} with {gearbox} is not decidable: {missing} unknown; every known limit is kept"
+        reason = self._reason_names[self._reason[k]]
+        return (
+            f"{motor} with {gearbox} is undersized; worst violation: {reason}: at least"
+            f" {self.utilisation[k]:.4g} times the limit"
+        )
+
+    def assessed(self, k: int) -> Candidate:
+        """The k-th pair of the catalogue in full."""
+        return assessed(self.cases, self.catalogue.drivetrain(k, self.joint_index, self.places), self.conditions)
+
+    def front(self) -> tuple[Candidate, ...]:
+        """The pairs than which no other is as light, as cheap and as little used, one of them better; lightest first.
+
+        Of those that are strong enough; an unknown mass or cost counts as unbounded. Two that are equal in all three
+        are both there.
+        """
+        rows = np.flatnonzero(self.is_feasible)
+        sizes = [np.nan_to_num(v[rows], nan=np.inf) for v in (self.catalogue.masses(), self.catalogue.costs())]
+        low, high = self.utilisation[rows], np.fmin(self._highest[rows], 1 + AT_LIMIT)
+        possible = rows[_undominated(np.column_stack([*sizes, low]), np.column_stack([*sizes, high]))]
+        found = [self.assessed(int(k)) for k in possible]
+        exact = np.array([[*np.nan_to_num([c.mass, c.cost], nan=np.inf), c.stress] for c in found]).reshape(-1, 3)
+        best = [found[i] for i in np.flatnonzero(_undominated(exact, exact)).tolist()]
+        return tuple(sorted(best, key=lambda c: tuple(np.nan_to_num([c.mass, c.cost, c.stress], nan=np.inf))))
+
+
+def _undominated(least: Array, most: Array) -> NDArray[np.bool_]:
+    """Rows of `least` that no row of `most` equals or undercuts in every column, and undercuts in one."""
+    left = np.ones(len(least), dtype=bool)
+    for k in np.lexsort(most.T[::-1]).tolist():
+        if left[k]:
+            left &= ~((most[k] <= least).all(axis=1) & (most[k] < least).any(axis=1))
+    return left
 
 
 def select_joint(
-    load: JointLoad,
+    cases: Sequence[JointCase],
     catalogue: Catalogue,
     joint: int,
     *,
     rank: Rank,
     keep: int | None,
     places: Sequence[Drivetrain] | None,
+    conditions: Conditions | None = None,
 ) -> JointSelection:
     """Accept or reject every pair at one joint, and assess the best in full; see `size`."""
-    if not np.isnan(load.unbounded):
-        return _rejected(load, catalogue)
-    grid, table = load_grid(load), pair_table(catalogue, joint, places)
-    bounds = utilisation_bounds(grid, table)
-    names = tuple(bounds)
-    low, high = (np.fmax(np.array([pair[k] for pair in bounds.values()]), 0.0) for k in (0, 1))
-    worst, lowest, highest = low.argmax(axis=0), low.max(axis=0), high.max(axis=0)
-    is_feasible, reasons = highest <= 1, [names[k] for k in worst]
+    asked = Conditions() if conditions is None else conditions
+    own = None if places is None else tuple(places)
+    # The hardest case first: what it rejects need not be tried in the others.
+    ordered = tuple(sorted(cases, key=lambda case: -case.peak_torque))
+    judge = _Judge(cases=ordered, parts=pair_parts(catalogue, joint, own), conditions=asked)
     found: dict[int, Candidate] = {}
-    n_violated = 0
-    for k in np.flatnonzero((lowest <= _CERTAIN) & ~is_feasible).tolist():
-        candidate = assessed(grid, table, k)
-        violated, unmade = _worst(candidate), _unmade(candidate, [names[i] for i in np.flatnonzero(high[:, k] > 1)])
-        if violated is not None:
-            reasons[k], lowest[k], n_violated = violated.quantity, violated.utilisation, n_violated + 1
-        elif unmade:
-            reasons[k], n_violated = f"{unmade} (cannot be assessed)", n_violated + 1
-        else:
-            is_feasible[k], found[k] = True, candidate
-    kept = _ranked(grid, table, _keys(catalogue, rank, is_feasible, lowest), keep, found)
+    n = catalogue.n_pairs
+    reason, lowest, highest = np.full(n, _NONE, dtype=np.int32), np.full(n, np.inf), np.full(n, np.inf)
+    if any(not np.isnan(case.load.unbounded) for case in ordered):
+        reason[:] = len(judge.names)
+        n_violated = 0
+    else:
+        n_violated = sum(judge.block(table, reason, lowest, highest, found) for table in judge.parts.blocks())
+    lacking, passes = lacking_of_pairs(catalogue), reason == _NONE
+    decided, undecided = passes & (lacking == 0), passes & (lacking != 0)
+    n_found = len(found)
+    ranked = [_ranked(judge, _keys(catalogue, rank, which, lowest), keep, found) for which in (decided, undecided)]
     return JointSelection(
-        joint=load.joint,
+        joint=ordered[0].load.joint,
         catalogue=catalogue,
-        is_feasible=is_feasible,
-        reasons=tuple("" if fits else reason for fits, reason in zip(is_feasible.tolist(), reasons, strict=True)),
+        is_feasible=decided,
+        is_undecided=undecided,
         utilisation=lowest,
-        kept=kept,
-        n_assessed=n_violated + len(found),
+        kept=ranked[0],
+        undecided=ranked[1],
+        n_assessed=n_violated + max(n_found, len(found)),
+        cases=ordered,
+        conditions=asked,
+        places=own,
+        joint_index=joint,
+        _lacking=lacking,
+        _highest=highest,
+        _reason=reason,
+        _reason_names=(*judge.names, _UNBOUNDED, *judge.unmade_names),
     )
 
 
-def assessed(grid: LoadGrid, table: PairTable, k: int) -> Candidate:
-    """The k-th pair in full, by the code that assesses any drive train."""
-    train = table.train(k)
-    demands = Demands(load=grid.load, train=train, motor=motor_load(grid.load, train))
-    return Candidate(
-        demands=demands,
-        checks=most_used_first(one for one in assess_joint(demands) if isinstance(one, LimitCheck)),
-        mass=train.motor.mass + train.gearbox.mass,
-        cost=train.motor.cost + train.gearbox.cost,
-        window=_window(demands, grid),
-    )
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Judge:
+    """Holds pairs to the limits, in every case.
+
+    `names` are the reasons to reject: check by check, of each case; then one for each check that could not be made.
+    """
+
+    cases: tuple[JointCase, ...]
+    parts: PairParts
+    conditions: Conditions
+
+    @cached_property
+    def _checks(self) -> tuple[str, ...]:
+        return tuple(limit.quantity for limit in DRIVE_LIMITS if limit.kind != "rule of thumb")
+
+    @cached_property
+    def _allowed(self) -> Array:
+        """What may be used of each limit."""
+        return np.array(
+            [1 - self.conditions.margin(x.kind, x.quantity) for x in DRIVE_LIMITS if x.kind != "rule of thumb"]
+        )
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        if len(self.cases) == 1:
+            return self._checks
+        return (*(f"{check} ({case.name})" for case in self.cases for check in self._checks), LIFE)
+
+    @property
+    def unmade_names(self) -> tuple[str, ...]:
+        return tuple(f"{check} (cannot be assessed)" for check in self._checks)
+
+    def block(
+        self, table: PairTable, reason: NDArray[np.int32], lowest: Array, highest: Array, found: dict[int, Candidate]
+    ) -> int:
+        """Judge some pairs: fill in their rows, and return how many were rejected by a full assessment."""
+        low, high, code, unsure = self._by_bounds(table)
+        reason[table.rows] = np.where(low > _CERTAIN, code, _NONE)
+        lowest[table.rows], highest[table.rows] = low, high
+        rejected = 0
+        for i in np.flatnonzero((low <= _CERTAIN) & (high > 1)).tolist():
+            k = int(table.rows[i])
+            candidate = self.assessed(k)
+            verdict, use = self._verdict(candidate, int(unsure[i]))
+            if verdict == _NONE:
+                found[k] = candidate
+            else:
+                reason[k], lowest[k], rejected = verdict, max(use, low[i]), rejected + 1
+        return rejected
+
+    def assessed(self, k: int) -> Candidate:
+        """The k-th pair of the catalogue in full."""
+        catalogue = self.parts.catalogue
+        train = catalogue.drivetrain(k, self.parts.joint, self.parts.places)
+        return assessed(self.cases, train, self.conditions)
+
+    def _by_bounds(self, table: PairTable) -> tuple[Array, Array, NDArray[np.int32], NDArray[np.int64]]:
+        """Utilisation over what may be used, from below and above, the worst check, and a bit for each unsure one.
+
+        A pair that a case rejects is not tried in those after it.
+        """
+        n = len(table.rows)
+        low, high = np.zeros((2, n))
+        code, unsure = np.zeros(n, dtype=np.int32), np.zeros(n, dtype=np.int64)
+        left, rows, lives = table, np.arange(n), list[Array]()
+        for c, case in enumerate(self.cases):
+            own_low, own_high = self._of_case(case, left)
+            worst, own = own_low.argmax(axis=0), own_low.max(axis=0)
+            is_worse = own > low[rows]
+            code[rows[is_worse]] = c * len(self._checks) + worst[is_worse]
+            low[rows], high[rows] = np.maximum(low[rows], own), np.maximum(high[rows], own_high.max(axis=0))
+            for bit, is_unsure in enumerate(own_high > 1):
+                unsure[rows] |= is_unsure.astype(np.int64) << bit
+            stays = low[rows] <= _CERTAIN
+            lives = [life[stays] for life in (*lives, expected_lives(case.grid, left))]
+            left, rows = left.at(stays), rows[stays]
+            if not len(rows):
+                return low, high, code, unsure
+        if len(self.cases) > 1:
+            use = self._life_use(np.array(lives))
+            code[rows[use > low[rows]]] = len(self.names) - 1
+            low[rows], high[rows] = np.fmax(low[rows], use), np.fmax(high[rows], use * (1 + 1e-9))
+        return low, high, code, unsure
+
+    def _of_case(self, case: JointCase, table: PairTable) -> tuple[Array, Array]:
+        """Each check's utilisation over what may be used, from below and above, shape (n_checks, n); 0: not made."""
+        bounds = utilisation_bounds(case.grid, table, momentary_torque=case.momentary_torque, only=case.only)
+        low, high = np.zeros((2, len(self._checks), len(table.rows)))
+        for i, name in enumerate(self._checks):
+            if name in bounds and not (name == LIFE and len(self.cases) > 1):
+                low[i], high[i] = (np.fmax(bound / self._allowed[i], 0.0) for bound in bounds[name])
+        return low, high
+
+    def _life_use(self, lives: Array) -> Array:
+        """Utilisation of the gearbox's life in the mix of the cases; NaN where it is not assessed."""
+        life = shared_life(lives, np.array([case.share for case in self.cases]))
+        with np.errstate(divide="ignore"):
+            return np.asarray(self.parts.place.required_life_hours / life / self._allowed[self._checks.index(LIFE)])
+
+    def _verdict(self, candidate: Candidate, unsure: int) -> tuple[int, float]:
+        """The number of the reason to reject and the use there; `_NONE` where there is no reason."""
+        worst = candidate.governing
+        if worst is not None and not self.conditions.is_kept(worst):
+            return self._code(worst), candidate.stress
+        made = {check.quantity for check in candidate.checks}
+        for bit, name in enumerate(self._checks):
+            if unsure >> bit & 1 and name not in made:
+                return len(self.names) + 1 + bit, 0.0
+        return _NONE, candidate.stress
+
+    def _code(self, check: LimitCheck) -> int:
+        if len(self.cases) == 1:
+            return self._checks.index(check.quantity)
+        if check.quantity == LIFE:
+            return len(self.names) - 1
+        case = [one.name for one in self.cases].index(check.case)
+        return case * len(self._checks) + self._checks.index(check.quantity)
 
 
-def _worst(candidate: Candidate) -> LimitCheck | None:
-    """The violated limit of highest utilisation."""
-    return next((c for c in candidate.checks if c.is_violated and c.kind != "rule of thumb"), None)
-
-
-def _unmade(candidate: Candidate, needed: list[str]) -> str:
-    """The first check that the bounds leave open and that could not be made; empty where all are."""
-    made = {check.quantity for check in candidate.checks}
-    return next((name for name in needed if name not in made), "")
-
-
-def _window(demands: Demands, grid: LoadGrid) -> RatioWindow | None:
-    """By the moments of the load as it comes through the gears, losses of either direction included."""
-    train = demands.train
-    torque = train.motor.continuous_torque_at(demands.mean_speed)
-    if not (torque > 0 and train.inertia > 0):
-        return None
-    passed = train.transmission[::-1]
-    moments = LoadMoments(
-        torque_square=max(float(passed @ grid.gram[1:4, 1:4] @ passed), 0.0),
-        acceleration_square=float(grid.gram[0, 0]),
-        product=float(grid.gram[0, 1:4] @ passed),
-        peak_speed=grid.moments.peak_speed,
-    )
-    limits = [train.motor.max_speed, train.gearbox.max_input_speed, np.inf]
-    return ratio_window(moments, inertia=train.inertia, continuous_torque=torque, max_speed=float(np.nanmin(limits)))
-
-
-def _keys(
-    catalogue: Catalogue, rank: Rank, is_feasible: NDArray[np.bool_], lowest: Array
-) -> list[tuple[float, float, int]]:
-    """Rank, least utilisation and number of each pair that is strong enough, the best first; unknown masses last."""
-    values = np.zeros(len(lowest))
+def _keys(catalogue: Catalogue, rank: Rank, which: NDArray[np.bool_], lowest: Array) -> list[tuple[float, float, int]]:
+    """Rank, least use and number of each of some pairs, the best first; unknown masses last."""
+    rows = np.flatnonzero(which)
+    values = np.zeros(len(rows))
     if rank != "margin":
-        values = np.nan_to_num(catalogue.masses() if rank == "mass" else catalogue.costs(), nan=np.inf)
-    rows = np.flatnonzero(is_feasible)
-    return sorted(zip(values[rows].tolist(), lowest[rows].tolist(), rows.tolist(), strict=True))
+        values = np.nan_to_num((catalogue.masses() if rank == "mass" else catalogue.costs())[rows], nan=np.inf)
+    order = np.lexsort((rows, lowest[rows], values))
+    return list(zip(values[order].tolist(), lowest[rows][order].tolist(), rows[order].tolist(), strict=True))
 
 
 def _ranked(
-    grid: LoadGrid,
-    table: PairTable,
-    keys: list[tuple[float, float, int]],
-    keep: int | None,
-    found: dict[int, Candidate],
+    judge: _Judge, keys: list[tuple[float, float, int]], keep: int | None, found: dict[int, Candidate]
 ) -> tuple[Candidate, ...]:
     """The best candidates, assessed in full, those of equal rank by margin.
 
@@ -254,24 +361,6 @@ def _ranked(
         if len(done) >= wanted and (value, least) > done[wanted - 1][:2]:
             break
         if k not in found:
-            found[k] = assessed(grid, table, k)
-        insort(done, (value, _use(found[k]), k))
+            found[k] = judge.assessed(k)
+        insort(done, (value, found[k].stress, k))
     return tuple(found[k] for _, _, k in done[:wanted])
-
-
-def _use(candidate: Candidate) -> float:
-    """Utilisation of the governing check, 0 where none is known."""
-    return 0.0 if candidate.governing is None else candidate.governing.utilisation
-
-
-def _rejected(load: JointLoad, catalogue: Catalogue) -> JointSelection:
-    """No motor can step its velocity."""
-    return JointSelection(
-        joint=load.joint,
-        catalogue=catalogue,
-        is_feasible=np.zeros(catalogue.n_pairs, dtype=bool),
-        reasons=(_UNBOUNDED,) * catalogue.n_pairs,
-        utilisation=np.full(catalogue.n_pairs, np.inf),
-        kept=(),
-        n_assessed=0,
-    )

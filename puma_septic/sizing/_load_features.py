@@ -54,8 +54,8 @@ class LoadGrid:
         How many times larger than its largest sample a torque or power can be, the remainder apart.
     remainder : float
         What the torque at the joint can have more, N m, twice: at the sample and at the peak.
-    mean_speed, peak_torque, average_torque : float
-        Mean magnitude of the velocity; peak and average (gearbox) of the torque at the joint.
+    mean_speed, peak_torque, average_torque, inertia : float
+        Mean magnitude of the velocity; peak and average (gearbox) of the torque at the joint; largest inertia there.
     driving, driven : ndarray, shape (2,)
         Mean positive and mean negative part of ``a v`` and of ``tau v``.
     """
@@ -71,6 +71,7 @@ class LoadGrid:
     mean_speed: float
     peak_torque: float
     average_torque: float
+    inertia: float
     driving: Array
     driven: Array
 
@@ -99,6 +100,7 @@ def load_grid(load: JointLoad) -> LoadGrid:
         mean_speed=load.mean_speed,
         peak_torque=float(load.torque.extrema().peak[0]),
         average_torque=average_load_torque(load),
+        inertia=float(load.inertia.extrema().max[0]),
         driving=_one_sign(load, torque, 1.0),
         driven=_one_sign(load, torque, -1.0),
     )

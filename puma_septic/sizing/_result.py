@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise, starmap
 from typing import Any, final
 
 import numpy as np
@@ -11,19 +12,22 @@ import numpy as np
 from puma_septic.cycle import Cycle
 from puma_septic.doctor import doubts
 from puma_septic.document import SCHEMAS, plain
-from puma_septic.drives import Drivetrain
+from puma_septic.drives import Drivetrain, lacking
 from puma_septic.limit_check import LimitCheck, most_used_first
+from puma_septic.motion import Motion
 from puma_septic.robot import own_drivetrains
-from puma_septic.sizing._checks import NotAssessed, Outcome, assess_joint
+from puma_septic.sizing._candidates import governing_check
+from puma_septic.sizing._checks import NotAssessed, Outcome
+from puma_septic.sizing._conditions import Conditions
 from puma_septic.sizing._demands import Demands
-from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_cycle, checked_drivetrains, checked_ratios
-from puma_septic.sizing._loads import joint_load, motor_load
+from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_drivetrains, checked_ratios
+from puma_septic.sizing._load_cases import JointCase, LoadCase, joint_cases, life_of_mix, outcomes_of_cases
 from puma_septic.sizing._positions import position_remarks
 from puma_septic.validation import Array, checked_choice, checked_number
 from puma_septic.views import sizing as view
 from puma_septic.views.checks import verdict
 
-__all__ = ["MotorLoadProfile", "Sizing", "size"]
+__all__ = ["LoadProfile", "MotorLoadProfile", "Sizing", "case_document", "sized"]
 
 _RPM = 60 / (2 * np.pi)
 
@@ -50,26 +54,86 @@ class MotorLoadProfile:
 
 
 @final
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Sizing:
-    """A duty cycle checked against drive trains; made by `size`.
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class LoadProfile:
+    """One joint's load at the gearbox's output as samples, without rotor, gears and friction.
+
+    The form in which the tools of motor makers ask for a load, which add their own motor and gears to it.
 
     Attributes
     ----------
-    cycle : Cycle
-    drivetrains : tuple of Drivetrain
-        One per joint.
-    demands : tuple of Demands
-        One per joint: every number behind the checks, with the functions of time to draw.
+    joint : str
+    is_prismatic : bool
+        Then m, m/s, N and kg.
+    time : ndarray, shape (n,)
+        s. Reversals and the ends of steps are among them; where the torque steps, one instant is there twice, before
+        and after.
+    position, speed, torque, inertia : ndarray, shape (n,)
+        rad, rad/s, N m, and ``M_jj`` in kg m^2.
     """
 
-    cycle: Cycle
+    joint: str
+    is_prismatic: bool
+    time: Array
+    position: Array
+    speed: Array
+    torque: Array
+    inertia: Array
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Sizing:
+    """Load cases checked against drive trains; made by `size`.
+
+    Attributes
+    ----------
+    load_cases : tuple of LoadCase
+        One without a name where a cycle was given.
+    drivetrains : tuple of Drivetrain
+        One per joint, under the conditions.
+    conditions : Conditions
+    """
+
+    load_cases: tuple[LoadCase, ...]
     drivetrains: tuple[Drivetrain, ...]
-    demands: tuple[Demands, ...]
+    conditions: Conditions
+    _cases: tuple[tuple[JointCase, ...], ...] = field(repr=False)
+    _demands: tuple[tuple[Demands, ...], ...] = field(repr=False)
+
+    @property
+    def cycle(self) -> Cycle:
+        """Of the first load case."""
+        return self.load_cases[0].cycle
 
     @cached_property
+    def demands(self) -> tuple[Demands, ...]:
+        """One per joint: every number behind the checks, with the functions of time to draw.
+
+        Of several load cases those of the one in which a mean or peak of the joint uses most of its limit, rare ones
+        apart.
+        """
+        return tuple(every[self._telling_case(j)] for j, every in enumerate(self._demands))
+
+    @property
+    def telling_cases(self) -> tuple[str, ...]:
+        """The load case of each of `demands`; "" where there is only one."""
+        names = (cases[self._telling_case(j)].name for j, cases in enumerate(self._cases))
+        return tuple(name if len(self.load_cases) > 1 else "" for name in names)
+
+    def _telling_case(self, j: int) -> int:
+        common = [case.name for case in self._cases[j] if case.only is None]
+        checks = [c for c in self._joint_outcomes[j] if isinstance(c, LimitCheck) and c.case in common]
+        governing = governing_check(most_used_first(checks), self.conditions)
+        return 0 if governing is None else [case.name for case in self._cases[j]].index(governing.case)
+
+    @cached_property
+    def _joint_outcomes(self) -> tuple[tuple[Outcome, ...], ...]:
+        return tuple(starmap(outcomes_of_cases, zip(self._cases, self._demands, strict=True)))
+
+    @property
     def _outcomes(self) -> tuple[Outcome, ...]:
-        return tuple(outcome for demands in self.demands for outcome in assess_joint(demands))
+        return tuple(outcome for outcomes in self._joint_outcomes for outcome in outcomes)
 
     @property
     def checks(self) -> tuple[LimitCheck, ...]:
@@ -92,13 +156,19 @@ class Sizing:
         return self._violated(thumb=True)
 
     def _violated(self, *, thumb: bool) -> tuple[LimitCheck, ...]:
-        return most_used_first(c for c in self.checks if c.is_violated and (c.kind == "rule of thumb") == thumb)
+        is_kept = self.conditions.is_kept
+        return most_used_first(c for c in self.checks if not is_kept(c) and (c.kind == "rule of thumb") == thumb)
 
     @property
     def governing(self) -> LimitCheck | None:
-        """The governing limit, the one of highest utilisation, rules of thumb apart; None where none is known."""
-        binding = most_used_first(check for check in self.checks if check.kind != "rule of thumb")
-        return binding[0] if binding else None
+        """The check with the least left of what may be used, rules of thumb apart; None where none is known."""
+        return governing_check(most_used_first(self.checks), self.conditions)
+
+    @property
+    def lacking(self) -> dict[str, tuple[str, ...]]:
+        """What of the least set (`LEAST_SET`) is not known, by joint; empty where all is."""
+        names = zip(self.cycle.joint_names, self.drivetrains, strict=True)
+        return {name: missing for name, train in names if (missing := lacking(train))}
 
     @property
     def verdict(self) -> str:
@@ -109,8 +179,12 @@ class Sizing:
 
     @property
     def is_feasible(self) -> bool:
-        """Whether no known limit is violated and no unbounded torque is needed (as a step in velocity would)."""
-        return not self.violations and bool(np.isnan(self.cycle.unbounded).all())
+        """Whether every known limit keeps its margin and no unbounded torque is needed (as a step in velocity would).
+
+        Enough for a choice only where nothing is in `lacking`.
+        """
+        steady = all(np.isnan(case.cycle.unbounded).all() for case in self.load_cases)
+        return not self.violations and bool(steady)
 
     @property
     def not_assessed(self) -> tuple[str, ...]:
@@ -131,7 +205,8 @@ class Sizing:
     @property
     def remarks(self) -> tuple[str, ...]:
         """What a reader must know to read the numbers right."""
-        lines = [self.cycle.why_not_periodic] if self.cycle.why_not_periodic else []
+        common = [case.cycle.why_not_periodic for case in self.load_cases if not case.is_rare]
+        lines = [why for why in dict.fromkeys(common) if why]
         for demands in self.demands:
             lines += [f"{demands.load.joint}: {assumption}" for assumption in demands.train.assumptions]
         lines += [*doubts(self.cycle.robot), *position_remarks(self.cycle)]
@@ -156,6 +231,41 @@ class Sizing:
             joint=joint, time=time, speed_rpm=motor.speed(time)[:, 0] * _RPM, torque=motor.torque(time)[:, 0]
         )
 
+    def load_profile(self, joint: str, *, step: float = 0.01) -> LoadProfile:
+        """One joint's load as samples, for the design tools of motor makers.
+
+        Of several load cases the one of `demands`.
+
+        Parameters
+        ----------
+        joint : str
+        step : float
+            Longest time between samples, s.
+        """
+        j = self.cycle.joint_names.index(checked_choice("joint", joint, self.cycle.joint_names))
+        step = checked_number("step", step, unit="s", above=0.0)
+        load = self.demands[j].load
+        names = [case.name for case in self.load_cases]
+        cycle = self.load_cases[names.index(self.telling_cases[j])].cycle
+        left, right = load.torque.ends()
+        parts = []
+        for k, (start, end) in enumerate(pairwise(load.torque.breaks.tolist())):
+            inner = np.linspace(start, end, max(1, int(np.ceil((end - start) / step - 1e-9))) + 1)[1:-1]
+            torque = [left[k, 0], *load.torque(inner)[:, 0], right[k, 0]]
+            parts.append(np.column_stack([[start, *inner, end], torque]))
+        time, torques = np.concatenate(parts).T
+        is_new = np.append(True, (np.diff(time) > 0) | (np.diff(torques) != 0))
+        time, torques = time[is_new], torques[is_new]
+        return LoadProfile(
+            joint=joint,
+            is_prismatic=load.is_prismatic,
+            time=time,
+            position=cycle.trajectory(time)[:, j],
+            speed=load.velocity(time)[:, 0],
+            torque=torques,
+            inertia=load.inertia(time)[:, 0],
+        )
+
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready document; SI units unless a name says otherwise, "unbounded" for infinity, null for unknown."""
         cycle = self.cycle
@@ -167,22 +277,28 @@ class Sizing:
             "is_periodic": cycle.is_periodic,
             "verdict": self.verdict,
             "is_feasible": self.is_feasible,
-            "joints": [self._joint_document(demands) for demands in self.demands],
+            "conditions": self.conditions.to_dict(),
+            "load_cases": [case_document(case) for case in self.load_cases if case.name],
+            "joints": [self._joint_document(j) for j in range(len(self.drivetrains))],
             "violations": [check.to_dict() for check in self.violations],
             "warnings": [check.to_dict() for check in self.warnings],
             "governing": None if self.governing is None else self.governing.to_dict(),
+            "lacking": {name: list(missing) for name, missing in self.lacking.items()},
             "not_assessed": list(self.not_assessed),
             "remarks": list(self.remarks),
         }
 
-    def _joint_document(self, demands: Demands) -> dict[str, Any]:
+    def _joint_document(self, j: int) -> dict[str, Any]:
+        demands, case = self.demands[j], self.telling_cases[j]
         train = demands.train
         return {
             "name": demands.load.joint,
             "motor": train.motor.name,
             "gearbox": train.gearbox.name,
             "drive": train.drive.name,
+            **({"case": case} if case else {}),
             **plain(_numbers(demands)),
+            "expected_gearbox_life_hours": plain(life_of_mix(self._cases[j], self._demands[j])),
             "rms_by_cause": plain(demands.rms_by_cause),
             "checks": [check.to_dict() for check in self.joint_checks(demands.load.joint)],
         }
@@ -217,50 +333,51 @@ def _numbers(d: Demands) -> dict[str, float]:
         "energy_braked": d.regeneration.braked,
         "winding_temperature_rise": d.peak_temperature_rise.size,
         "inertia_ratio": d.inertia_ratio.size,
-        "expected_gearbox_life_hours": d.expected_life_hours,
+        "peak_drawn_power": d.peak_drawn_power.size,
+        "mean_drawn_power": d.mean_drawn_power,
     }
 
 
-def size(cycle: Cycle, *, drivetrains: GivenDrivetrains | None = None) -> Sizing:
-    """Hold a duty cycle against the drive trains that are to do it.
+def case_document(case: LoadCase) -> dict[str, Any]:
+    """A load case in a document.
 
-    The drive trains replace the robot's own: their rotors, friction and efficiency come in, the robot's are left out.
+    Returns
+    -------
+    dict
+    """
+    return {
+        "name": case.name,
+        "share": case.share,
+        "duration": case.cycle.duration,
+        "payloads": [_payload(step) for step in case.cycle.steps if isinstance(step, Motion)],
+        "joints": list(case.joints),
+        "is_rare": case.is_rare,
+    }
 
-    Parameters
-    ----------
-    cycle : Cycle
-    drivetrains : sequence of Drivetrain, or mapping of str to Drivetrain, optional
-        One per joint, in the robot's order or by joint name; by default the robot's own, as far as its actuators and
-        limits tell.
+
+def _payload(step: Motion) -> float:
+    return 0.0 if step.robot.payload is None else float(step.robot.payload.mass)
+
+
+def sized(
+    cases: tuple[LoadCase, ...], *, drivetrains: GivenDrivetrains | None = None, conditions: Conditions | None = None
+) -> Sizing:
+    """Hold load cases against the drive trains that are to do them; see `size`.
 
     Returns
     -------
     Sizing
-        A violated limit is part of the answer, not an error; what is unknown is listed as not assessed.
-
-    Raises
-    ------
-    InputError
-        If there is not one drive train for each joint.
-
-    Examples
-    --------
-    >>> import puma_septic as ps
-    >>> robot = ps.load_robot()
-    >>> there = ps.compute_motion(robot, ps.quintic_segments([[0.0] * 6, [0.5] * 6], [0.0, 2.0]))
-    >>> sizing = size(ps.cycle.with_return(there, dwell=1.0))
-    >>> sizing.is_feasible, sizing.governing.joint
-    (True, 'joint2')
     """
-    checked_cycle(cycle)
+    cycle, asked = cases[0].cycle, Conditions() if conditions is None else conditions
     given = own_drivetrains(cycle.robot) if drivetrains is None else checked_drivetrains(cycle, drivetrains)
-    trains = checked_ratios(cycle, given)
-    loads = [joint_load(cycle, j) for j in range(len(trains))]
+    trains = asked.places(cycle.joint_names, checked_ratios(cycle, given))
+    own = tuple(joint_cases(cases, j) for j in range(len(trains)))
     return Sizing(
-        cycle=cycle,
+        load_cases=cases,
         drivetrains=trains,
-        demands=tuple(
-            Demands(load=load, train=train, motor=motor_load(load, train))
-            for load, train in zip(loads, trains, strict=True)
+        conditions=asked,
+        _cases=own,
+        _demands=tuple(
+            tuple(case.demands(train) for case in of_joint) for of_joint, train in zip(own, trains, strict=True)
         ),
     )

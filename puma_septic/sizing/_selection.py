@@ -2,30 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Final, final
+from typing import Any, final
 
 import numpy as np
 
 from puma_septic.cycle import Cycle
 from puma_septic.doctor import doubts
 from puma_septic.document import SCHEMAS, plain
-from puma_septic.drives import Catalogue
+from puma_septic.drives import LEAST_SET, Catalogue
 from puma_septic.errors import InputError
-from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_cycle, checked_drivetrains
-from puma_septic.sizing._joint_selection import RANKS, Candidate, JointSelection, Rank, select_joint
-from puma_septic.sizing._loads import joint_load
+from puma_septic.sizing._candidates import Candidate
+from puma_septic.sizing._common_size import with_common_sizes
+from puma_septic.sizing._conditions import Conditions
+from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_drivetrains
+from puma_septic.sizing._joint_selection import RANKS, JointSelection, Rank, select_joint
+from puma_septic.sizing._load_cases import LoadCase, joint_cases
 from puma_septic.sizing._positions import position_remarks
-from puma_septic.sizing._ratios import RatioWindow
-from puma_septic.sizing._result import Sizing, size
+from puma_septic.sizing._result import Sizing, case_document, sized
 from puma_septic.validation import checked_choice
-from puma_septic.views.tables import Cell, text_table
+from puma_septic.views import selection as view
 
 __all__ = ["Selection", "checked_rank", "select"]
-
-# A ratio beyond this is told as no bound: no gear train of a joint has one of the kind.
-_ANY_RATIO: Final = 1e6
 
 
 @final
@@ -35,33 +35,57 @@ class Selection:
 
     Attributes
     ----------
-    cycle : Cycle
+    load_cases : tuple of LoadCase
         With the masses of the chosen parts on the arm, where they were asked for.
     catalogue : Catalogue
     rank : {"mass", "cost", "margin"}
     joints : tuple of JointSelection
         One per joint.
+    conditions : Conditions
     notes : tuple of str
         How the choice came about, where masses were placed.
     """
 
-    cycle: Cycle
+    load_cases: tuple[LoadCase, ...]
     catalogue: Catalogue
     rank: Rank
     joints: tuple[JointSelection, ...]
+    conditions: Conditions
     notes: tuple[str, ...] = ()
 
     @property
+    def cycle(self) -> Cycle:
+        """Of the first load case."""
+        return self.load_cases[0].cycle
+
+    @property
     def is_feasible(self) -> bool:
-        """Whether there is a pair for every joint."""
+        """Whether there is a pair for every joint that is strong enough, and enough is known of it."""
         return all(one.best is not None for one in self.joints)
+
+    @property
+    def can_be_decided(self) -> bool:
+        """Whether the choice, or that there is none, rests on known data.
+
+        Not where a joint has no pair that is strong enough and only pairs that are not decidable are left.
+        """
+        rejected = any(one.best is None and one.can_be_decided for one in self.joints)
+        return rejected or all(one.can_be_decided for one in self.joints)
 
     @cached_property
     def sizing(self) -> Sizing | None:
-        """The cycle checked against the best pair of each joint; None where a joint has none."""
+        """The load cases checked against the best pair of each joint; None where a joint has none."""
         best = [one.best for one in self.joints]
         trains = [candidate.drivetrain for candidate in best if candidate is not None]
-        return size(self.cycle, drivetrains=trains) if len(trains) == len(best) else None
+        if len(trains) != len(best):
+            return None
+        bare = [replace(train, momentary_torque=self._momentary(j)) for j, train in enumerate(trains)]
+        return sized(self.load_cases, drivetrains=bare, conditions=self.conditions)
+
+    def _momentary(self, j: int) -> float:
+        """Without that of a rare load case, which is its own."""
+        places = self.joints[j].places
+        return float("nan") if places is None else places[j].momentary_torque
 
     def joint(self, name: str) -> JointSelection:
         """The selection at one joint."""
@@ -70,11 +94,25 @@ class Selection:
     @property
     def verdict(self) -> str:
         """One sentence: a choice, or the joints that have none and the most frequent reason there."""
+        open_ = sum(int(one.is_undecided.sum()) for one in self.joints)
         missing = [one for one in self.joints if one.best is None]
         if not missing:
-            return "a pair that is strong enough for every joint"
-        reasons = "; ".join(f"{one.joint} (most frequent reason: {next(iter(one.rejections))})" for one in missing)
-        return f"no pair is strong enough for {reasons}"
+            more = f"; {_pairs(open_)} not decidable" if open_ else ""
+            return f"a pair that is strong enough for every joint{more}"
+        undecided = [one for one in missing if not one.can_be_decided]
+        rejected = [one for one in missing if one.can_be_decided]
+        parts = []
+        if rejected:
+            reasons = "; ".join(f"{one.joint} (most frequent reason: {next(iter(one.rejections))})" for one in rejected)
+            parts.append(f"no pair is strong enough for {reasons}")
+        if undecided:
+            reasons = "; ".join(
+                f"{one.joint} ({_pairs(int(one.is_undecided.sum()))} left, most often unknown:"
+                f" {next(iter(one.unknowns))})"
+                for one in undecided
+            )
+            parts.append(f"not decidable for {reasons}")
+        return "; ".join(parts)
 
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready document; SI units, "unbounded" for infinity, null for unknown."""
@@ -84,10 +122,36 @@ class Selection:
             "duration": self.cycle.duration,
             "rank": self.rank,
             "is_feasible": self.is_feasible,
+            "can_be_decided": self.can_be_decided,
             "verdict": self.verdict,
+            "bill_of_material": _bill(self.joints),
+            "totals": self._totals(),
+            "conditions": self.conditions.to_dict(),
+            "load_cases": [case_document(case) for case in self.load_cases if case.name],
+            "least_set": list(LEAST_SET),
+            "catalogue": {
+                "motors": len(self.catalogue.motors),
+                "gearboxes": len(self.catalogue.gearboxes),
+                "pairs": self.catalogue.n_pairs,
+                "unused": list(self.catalogue.unused),
+            },
             "notes": list(self.remarks),
             "joints": [_joint_document(one) for one in self.joints],
             "sizing": None if self.sizing is None else self.sizing.to_dict(),
+        }
+
+    def _totals(self) -> dict[str, Any]:
+        """Of the arm: mass and cost of the chosen parts, least margin, energy."""
+        best = [one.best for one in self.joints if one.best is not None]
+        if self.sizing is None:
+            return {}
+        margins = [candidate.margin for candidate in best]
+        powers = [demands.mean_drawn_power for demands in self.sizing.demands]
+        return {
+            "mass": plain(sum(candidate.mass for candidate in best)),
+            "cost": plain(sum(candidate.cost for candidate in best)),
+            "margin": plain(np.nanmin(margins) if np.isfinite(margins).any() else np.nan),
+            "mean_drawn_power": plain(float(np.sum(powers))),
         }
 
     @property
@@ -98,34 +162,33 @@ class Selection:
         return (*self.notes, *columns, *doubts(self.cycle.robot), *position_remarks(self.cycle))
 
     def __str__(self) -> str:
-        title = f"{self.cycle.robot.name}, cycle of {self.cycle.duration:g} s, by {self.rank}: {self.verdict}"
-        lines = [
-            title,
-            "",
-            _table(self),
-            "use: utilisation of the governing limit; ratio window: by RMS torque and speed",
-        ]
-        lines += ["", *(f"{one.joint}: {one.explanation}" for one in self.joints)]
-        return "\n".join([*lines, *(f"Note: {note}" for note in self.remarks)])
+        return view.text(self.to_dict())
+
+    def _repr_html_(self) -> str:
+        return view.html(self.to_dict())
 
 
 def select(
-    cycle: Cycle,
+    cases: tuple[LoadCase, ...],
     catalogue: Catalogue,
     *,
     rank: Rank = "mass",
     keep: int | None = 5,
     places: GivenDrivetrains | None = None,
+    conditions: Conditions | None = None,
+    same: Sequence[Sequence[str]] = (),
 ) -> Selection:
     """Choose from a catalogue for every joint; see `size`."""
     checked_rank(rank, keep)
-    checked_cycle(cycle)
-    own = None if places is None else checked_drivetrains(cycle, places)
-    joints = tuple(
-        select_joint(joint_load(cycle, j), catalogue, j, rank=rank, keep=keep, places=own)
-        for j in range(len(cycle.joint_names))
-    )
-    return Selection(cycle=cycle, catalogue=catalogue, rank=rank, joints=joints)
+    names = cases[0].cycle.joint_names
+    asked = Conditions() if conditions is None else conditions
+    given = asked.places(names, None if places is None else checked_drivetrains(cases[0].cycle, places))
+    joints = [
+        select_joint(joint_cases(cases, j), catalogue, j, rank=rank, keep=keep, places=given, conditions=asked)
+        for j in range(len(names))
+    ]
+    chosen, notes = with_common_sizes(joints, same, rank=rank)
+    return Selection(load_cases=cases, catalogue=catalogue, rank=rank, joints=chosen, conditions=asked, notes=notes)
 
 
 def checked_rank(rank: Rank, keep: int | None) -> None:
@@ -135,48 +198,46 @@ def checked_rank(rank: Rank, keep: int | None) -> None:
         raise InputError(f"keep = {keep!r}: expected a number of pairs from 1, or None for all")
 
 
-def _table(selection: Selection) -> str:
-    headers = ["joint", "motor", "gearbox", "mass [kg]", "cost", "use", "governing limit", "ratio", "best", "window"]
-    rows: list[list[Cell]] = []
-    for one in selection.joints:
+def _pairs(count: int) -> str:
+    return "1 pair" if count == 1 else f"{count} pairs"
+
+
+def _bill(joints: Sequence[JointSelection]) -> list[dict[str, Any]]:
+    """The chosen parts, each once, with how many there are and where."""
+    found: dict[tuple[str, str], dict[str, Any]] = {}
+    for one in joints:
         if one.best is None:
-            rows.append([one.joint, "none", "", "", "", "", next(iter(one.rejections)), "", "", ""])
-        for k, candidate in enumerate(one.kept):
-            rows.append(_row(one.joint if k == 0 else "", candidate))
-    return text_table(headers, rows)
-
-
-def _row(joint: str, c: Candidate) -> list[Cell]:
-    use, quantity = "", "none known"
-    if c.governing is not None:
-        use, quantity = f"{100 * c.governing.utilisation:.1f} %", c.governing.quantity
-    best = "" if c.window is None or not 0 < c.window.optimal < _ANY_RATIO else _ratio(c.window.optimal)
-    return [
-        joint, c.motor, c.gearbox, c.mass, c.cost, use, quantity, f"{c.drivetrain.ratio:g}", best, _window(c.window)
-    ]  # fmt: skip
-
-
-def _window(window: RatioWindow | None) -> str:
-    if window is None:
-        return "unknown"
-    if window.is_empty:
-        return "empty"
-    if window.most > _ANY_RATIO:
-        return f"any above {_ratio(window.least)}" if window.least else "any"
-    return f"{_ratio(window.least)} to {_ratio(window.most)}" if window.least else f"any up to {_ratio(window.most)}"
-
-
-def _ratio(value: float) -> str:
-    return f"{value:.0f}" if value >= 1 else f"{value:.2g}"
+            continue
+        for kind, part in (("motor", one.best.drivetrain.motor), ("gearbox", one.best.drivetrain.gearbox)):
+            line = found.setdefault(
+                (kind, part.name),
+                {
+                    "kind": kind,
+                    "name": part.name,
+                    "ratio": plain(one.best.drivetrain.gearbox.ratio) if kind == "gearbox" else None,
+                    "mass": plain(part.mass),
+                    "cost": plain(part.cost),
+                    "source": part.source,
+                    "count": 0,
+                    "joints": [],
+                },
+            )
+            line["count"] += 1
+            line["joints"].append(one.joint)
+    return sorted(found.values(), key=lambda line: line["kind"] == "gearbox")
 
 
 def _joint_document(one: JointSelection) -> dict[str, Any]:
     return {
         "name": one.joint,
-        "pairs": len(one.reasons),
+        "pairs": one.catalogue.n_pairs,
         "feasible_pairs": int(np.count_nonzero(one.is_feasible)),
+        "undecided_pairs": int(np.count_nonzero(one.is_undecided)),
         "rejections": one.rejections,
+        "unknowns": one.unknowns,
+        "explanation": one.explanation,
         "kept": [_candidate_document(candidate) for candidate in one.kept],
+        "undecided": [_candidate_document(candidate) for candidate in one.undecided],
     }
 
 
@@ -190,6 +251,9 @@ def _candidate_document(c: Candidate) -> dict[str, Any]:
         "cost": plain(c.cost),
         "margin": plain(c.margin),
         "governing": None if c.governing is None else c.governing.to_dict(),
+        "life_hours": plain(c.life_hours),
+        "inertia_ratio": plain(c.demands.inertia_ratio.size),
+        "lacking": list(c.lacking),
         "optimal_ratio": None if window is None else plain(window.optimal),
         "ratio_window": None if window is None else [plain(window.least), plain(window.most)],
     }

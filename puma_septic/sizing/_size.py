@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from typing import overload
 
 from numpy.typing import ArrayLike
@@ -9,11 +10,12 @@ from numpy.typing import ArrayLike
 from puma_septic.cycle import Cycle
 from puma_septic.drives import Catalogue
 from puma_septic.errors import InputError
-from puma_septic.sizing import _result
+from puma_septic.sizing._conditions import Conditions
 from puma_septic.sizing._drive_masses import PLACEMENTS, Placement, select_consistent
 from puma_septic.sizing._drivetrains import GivenDrivetrains
 from puma_septic.sizing._joint_selection import Rank
-from puma_septic.sizing._result import Sizing
+from puma_septic.sizing._load_cases import LoadCase, checked_cases
+from puma_septic.sizing._result import Sizing, sized
 from puma_septic.sizing._selection import Selection, select
 from puma_septic.validation import checked_choice
 
@@ -21,47 +23,60 @@ __all__ = ["size"]
 
 
 @overload
-def size(cycle: Cycle, *, drivetrains: GivenDrivetrains | None = None) -> Sizing: ...
+def size(
+    cycle: Cycle | Iterable[LoadCase],
+    *,
+    drivetrains: GivenDrivetrains | None = None,
+    conditions: Conditions | None = None,
+) -> Sizing: ...
 
 
 @overload
 def size(
-    cycle: Cycle,
+    cycle: Cycle | Iterable[LoadCase],
     *,
     catalogue: Catalogue,
     drivetrains: GivenDrivetrains | None = None,
+    conditions: Conditions | None = None,
     rank: Rank = "mass",
     keep: int | None = 5,
     masses: Placement | None = None,
     own_masses: ArrayLike | None = None,
+    same: Sequence[Sequence[str]] = (),
 ) -> Selection: ...
 
 
 def size(
-    cycle: Cycle,
+    cycle: Cycle | Iterable[LoadCase],
     *,
     catalogue: Catalogue | None = None,
     drivetrains: GivenDrivetrains | None = None,
+    conditions: Conditions | None = None,
     rank: Rank = "mass",
     keep: int | None = 5,
     masses: Placement | None = None,
     own_masses: ArrayLike | None = None,
+    same: Sequence[Sequence[str]] = (),
 ) -> Sizing | Selection:
     """Hold a duty cycle against the drive trains that are to do it, or choose them from a catalogue.
 
     The drive trains replace the robot's own: their rotors, friction and efficiency come in, the robot's are left out.
     With a catalogue every pair of motor and gearbox is accepted or rejected at every joint with the same verdict that
-    its full assessment has; the best are assessed in full.
+    its full assessment has; the best are assessed in full. A pair that keeps every known limit, but lacks a value of
+    the least set (`puma_septic.drives.LEAST_SET`), is not decidable: it is listed apart, and never chosen.
 
     Parameters
     ----------
-    cycle : Cycle
+    cycle : Cycle or sequence of LoadCase
+        Of several load cases the same drives must do all; each check is made in the case that uses most of its limit.
     catalogue : Catalogue, optional
     drivetrains : sequence of Drivetrain, or mapping of str to Drivetrain, optional
         One per joint, in the robot's order or by joint name; by default the robot's own, as far as its actuators and
         limits tell. With a catalogue: what the joints have whatever the parts, that is drive (its unknown bus voltage
         is the motor's nominal one), ambient temperature, momentary torque and required life; motor and gearbox are
         ignored.
+    conditions : Conditions, optional
+        Supply, ambient, life, and what must be left of each limit; they come before what `drivetrains` say.
     rank : {"mass", "cost", "margin"}
         What the best pair has least (margin: most) of; between equals the margin decides.
     keep : int or None
@@ -71,6 +86,8 @@ def size(
         choose from the wrist to the base. By default they load nothing.
     own_masses : array_like, shape (n_joints,), optional
         Of the drives that the arm's model includes already, kg, taken off first; with `masses` alone.
+    same : sequence of sequences of str
+        Groups of joints that are to have one size, where a pair is strong enough at all of them.
 
     Returns
     -------
@@ -96,19 +113,24 @@ def size(
     >>> selection.joint("joint2").best.motor
     'INVENTED-M100'
     """
+    cases = checked_cases(cycle)
     if catalogue is None:
-        return _result.size(cycle, drivetrains=drivetrains)
+        return sized(cases, drivetrains=drivetrains, conditions=conditions)
     if not isinstance(catalogue, Catalogue):
         raise InputError(f"catalogue: expected a Catalogue, as load_catalogue returns it, got {catalogue!r}")
     if masses is None:
-        return select(cycle, catalogue, rank=rank, keep=keep, places=drivetrains)
+        return select(
+            cases, catalogue, rank=rank, keep=keep, places=drivetrains, conditions=conditions, same=same
+        )  # fmt: skip
     checked_choice("placement of masses", masses, PLACEMENTS)
     return select_consistent(
-        cycle,
+        cases,
         catalogue,
         placement=masses,
         own_masses=own_masses,
         rank=rank,
         keep=keep,
         places=drivetrains,
+        conditions=conditions,
+        same=same,
     )

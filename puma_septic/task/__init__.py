@@ -1,12 +1,15 @@
 """Task files: what a user writes down, and what it becomes."""
 
 from puma_septic.task._branches import Branch, Posed
+from puma_septic.task._conditions import ConditionsSection, LoadCaseSection
 from puma_septic.task._resolved_task import ResolvedTask, assess_task, resolve_task, solve_points
 from puma_septic.task._schema import Task
 from puma_septic.task._task_file import load_task, make_task, parse_task, task_names
 
 __all__ = [
     "Branch",
+    "ConditionsSection",
+    "LoadCaseSection",
     "Posed",
     "ResolvedTask",
     "Task",

@@ -27,6 +27,7 @@ from pydantic_core import PydanticCustomError
 from puma_septic import profiles
 from puma_septic.errors import did_you_mean
 from puma_septic.robot import is_robot_path
+from puma_septic.task._conditions import ConditionsSection, LoadCaseSection
 from puma_septic.trajectory import Trajectory
 
 __all__ = ["Point", "ProfileChoice", "Task", "shortened"]
@@ -287,6 +288,10 @@ class Task(Section):
         s
     rest_before, rest_after : bool
         Whether the arm is at rest before and after the motion.
+    conditions : ConditionsSection or None
+        What a sizing holds drives to besides the motion.
+    load_cases : tuple of LoadCaseSection
+        What the same drives must do in a sizing; the task's own cycle where there are none.
     """
 
     name: Text
@@ -305,6 +310,8 @@ class Task(Section):
     rest_before: StrictBool = True
     rest_after: StrictBool = True
     limits: LimitsSection | None = None
+    conditions: ConditionsSection | None = None
+    load_cases: tuple[LoadCaseSection, ...] = ()
 
     _origin: str = ""
 

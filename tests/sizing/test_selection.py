@@ -17,6 +17,7 @@ from puma_septic.drives import Pair
 from puma_septic.limit_check import LimitCheck
 from puma_septic.sizing._checks import assess_joint, utilisation_bounds
 from puma_septic.sizing._joint_selection import RANKS, select_joint
+from puma_septic.sizing._load_cases import JointCase
 from puma_septic.sizing._load_features import load_grid
 from puma_septic.sizing._pair_features import pair_table
 
@@ -35,6 +36,11 @@ def cycle(*, periodic: bool = True, loaded: bool = False) -> ps.Cycle:
 @cache
 def load(j: int, periodic: bool) -> ps.sizing.JointLoad:
     return ps.sizing.joint_load(cycle(periodic=periodic, loaded=True), j)
+
+
+def alone(one: ps.sizing.JointLoad) -> list[JointCase]:
+    """The only load case."""
+    return [JointCase(name="", share=1.0, load=one)]
 
 
 def around(value: float) -> st.SearchStrategy[float]:
@@ -165,7 +171,7 @@ def test_selection_of_measured_pairs_is_that_of_assessing_each(
 
 def assert_each_pair_is_judged_as_alone(catalogue: ps.Catalogue, place: ps.Drivetrain, j: int, periodic: bool) -> None:
     """The same verdict for every pair, the same numbers for every pair kept, and a reason that is one."""
-    selection = select_joint(load(j, periodic), catalogue, 0, rank="mass", keep=None, places=[place])
+    selection = select_joint(alone(load(j, periodic)), catalogue, 0, rank="mass", keep=None, places=[place])
     bounds = utilisation_bounds(load_grid(load(j, periodic)), pair_table(catalogue, 0, [place]))
     kept = {(c.motor, c.gearbox): c for c in selection.kept}
     assert len(kept) == selection.is_feasible.sum()
@@ -199,7 +205,7 @@ def test_bounds_of_torque_are_within_half_a_per_cent() -> None:
 def test_the_reason_is_the_check_that_fails_worst() -> None:
     """To the width of the bounds; every pair of the example at joint 2."""
     one = load(1, True)
-    selection = select_joint(one, ps.built_in_catalogue(), 0, rank="mass", keep=1, places=None)
+    selection = select_joint(alone(one), ps.built_in_catalogue(), 0, rank="mass", keep=1, places=None)
     rejected = np.flatnonzero(~selection.is_feasible)
     assert len(rejected) > 20
     for k in rejected[::4].tolist():
@@ -214,8 +220,8 @@ def test_the_reason_is_the_check_that_fails_worst() -> None:
 def test_ranks(rank: str) -> None:
     """Three ways to order the same pairs; the first few are those of the whole list."""
     one, catalogue = load(1, True), ps.built_in_catalogue()
-    everything = select_joint(one, catalogue, 0, rank=rank, keep=None, places=None).kept  # type: ignore[arg-type]
-    first = select_joint(one, catalogue, 0, rank=rank, keep=4, places=None).kept  # type: ignore[arg-type]
+    everything = select_joint(alone(one), catalogue, 0, rank=rank, keep=None, places=None).kept  # type: ignore[arg-type]
+    first = select_joint(alone(one), catalogue, 0, rank=rank, keep=4, places=None).kept  # type: ignore[arg-type]
     keys = [-c.margin if rank == "margin" else getattr(c, rank) for c in everything]
     assert keys == sorted(keys)
     assert [(c.motor, c.gearbox) for c in first] == [(c.motor, c.gearbox) for c in everything[:4]]
@@ -287,12 +293,12 @@ def test_the_ratio_window_holds_what_is_chosen() -> None:
     motor = ps.Motor(name="M", rotor_inertia=1e-4, continuous_torque=0.6, max_speed=1e4)
     losses = {"efficiency": 0.7, "backward_efficiency": 0.4}
     catalogue = ps.Catalogue(motors=[motor], gearboxes=[ps.Gearbox(name="G", ratio=150.0, **losses)])
-    window = select_joint(load(1, True), catalogue, 0, rank="mass", keep=1, places=None).best.window
+    window = select_joint(alone(load(1, True)), catalogue, 0, rank="mass", keep=1, places=None).best.window
     assert window.least < 150 < window.most
     for ratio, fits in ((0.999, False), (1.001, True)):
         gear = ps.Gearbox(name="G", ratio=window.least * ratio, **losses)
         again = ps.Catalogue(motors=[motor], gearboxes=[gear])
-        assert bool(select_joint(load(1, True), again, 0, rank="mass", keep=1, places=None).kept) == fits
+        assert bool(select_joint(alone(load(1, True)), again, 0, rank="mass", keep=1, places=None).kept) == fits
 
 
 @pytest.mark.slow

@@ -338,7 +338,7 @@ def test_the_motor_load_profile_holds_reversals_and_the_motor_s_own_values() -> 
 def test_wrong_numbers_and_kinds_of_things_are_refused() -> None:
     with pytest.raises(ps.InputError, match="5 drivetrains for 6 joints: expected one for each of joint1"):
         ps.size(paper_cycle(), drivetrains=candidate().drivetrains[:5])
-    with pytest.raises(ps.InputError, match="size takes a Cycle, got Motion"):
+    with pytest.raises(ps.InputError, match="size takes a Cycle or a sequence of LoadCase, got Motion"):
         ps.size(paper_motion())  # type: ignore[arg-type]
     with pytest.raises(ps.InputError, match="unknown joint 'elbow'; valid: 'joint1'"):
         candidate().motor_load_profile("elbow")

@@ -21,6 +21,7 @@ from puma_septic.piecewise import Piecewise
 from puma_septic.sizing._electrical import regeneration
 from puma_septic.sizing._gearbox import expected_life
 from puma_septic.sizing._joint_selection import select_joint
+from puma_septic.sizing._load_cases import JointCase
 from puma_septic.sizing._thermal import steady_cycle, thermal_equation
 
 RESISTANCES, CONSTANTS = np.array([1.5, 3.0]), np.array([20.0, 600.0])
@@ -125,7 +126,14 @@ def test_a_joint_that_rests_but_for_rounding_is_sized_as_one_that_rests(noise: f
     """
     catalogue = ps.built_in_catalogue()
     still, nearly = (
-        select_joint(ps.sizing.joint_load(there_and_back(size), 3), catalogue, 3, rank="mass", keep=3, places=None)
+        select_joint(
+            [JointCase(name="", share=1.0, load=ps.sizing.joint_load(there_and_back(size), 3))],
+            catalogue,
+            3,
+            rank="mass",
+            keep=3,
+            places=None,
+        )
         for size in (0.0, noise)
     )
     assert nearly.explanation == still.explanation == "140 of 140 pairs are strong enough"
@@ -250,7 +258,7 @@ def test_a_pair_whose_heat_cannot_be_told_is_not_chosen_for_it() -> None:
     catalogue = ps.Catalogue(
         motors=[hopeless(), good], gearboxes=[ps.Gearbox(name="G", ratio=100.0, efficiency=0.8, inertia=1e-5)]
     )
-    found = select_joint(load, catalogue, 0, rank="mass", keep=None, places=None)
+    found = select_joint([JointCase(name="", share=1.0, load=load)], catalogue, 0, rank="mass", keep=None, places=None)
     assert found.is_feasible.tolist() == [False, True]
     assert found.reasons[0] == "winding temperature rise (cannot be assessed)"
     assert [c.motor for c in found.kept] == ["good"]

@@ -1,0 +1,110 @@
+"""What must be known of a motor with its gearbox before it can be called strong enough."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from puma_septic.drives._catalogue import Catalogue
+from puma_septic.drives._drivetrain import Drivetrain
+from puma_septic.drives._parts import Gearbox
+
+__all__ = ["LEAST_SET", "lacking", "lacking_of_pairs", "names_of"]
+
+
+class _Need(NamedTuple):
+    """One value that must be known: whose it is, whether a part has it, and what of the whole train stands for it."""
+
+    name: str
+    part: str
+    is_known: Callable[[Any], bool]
+    stands_for_it: Callable[[Drivetrain], bool] | None = None
+
+
+def _is_direct(gearbox: Gearbox) -> bool:
+    """A ratio of 1 is a direct drive, which has no gears to wear or to lose by."""
+    return abs(gearbox.ratio) == 1
+
+
+def _known(*values: float) -> bool:
+    return not np.isnan(values).all()
+
+
+_NEEDS: Final = (
+    _Need("rotor inertia", "motor", lambda m: _known(m.rotor_inertia)),
+    _Need("continuous torque", "motor", lambda m: _known(m.continuous_torque) or len(m.continuous_curve) > 0),
+    _Need(
+        "peak torque", "motor", lambda m: _known(m.peak_torque) or len(m.peak_curve) > 0,
+        lambda train: _known(train.max_effort),
+    ),
+    # A curve of peak torque ends at the highest speed.
+    _Need("highest speed", "motor", lambda m: _known(m.max_speed) or len(m.peak_curve) > 0),
+    _Need("average torque", "gearbox", lambda g: _known(g.max_average_torque) or _is_direct(g)),
+    _Need("repeated peak torque", "gearbox", lambda g: _known(g.max_repeated_torque) or _is_direct(g)),
+    _Need(
+        "efficiency or measured friction", "gearbox", lambda g: _known(g.efficiency) or _is_direct(g),
+        lambda train: train.measured_friction is not None,
+    ),
+)  # fmt: skip
+LEAST_SET: Final = tuple(f"{need.name} of the {need.part}" for need in _NEEDS)
+"""The least that must be known of a pair: without one of these it is not decidable, unless a known limit rejects it."""
+
+
+def lacking(train: Drivetrain) -> tuple[str, ...]:
+    """What of `LEAST_SET` is not known of a drive train.
+
+    Returns
+    -------
+    tuple of str
+
+    Examples
+    --------
+    >>> from puma_septic.drives import Gearbox, Motor
+    >>> lacking(Drivetrain(motor=Motor(rotor_inertia=1e-4, peak_torque=1.0), gearbox=Gearbox(ratio=1.0)))
+    ('continuous torque of the motor', 'highest speed of the motor')
+    """
+    return names_of(_bits(train))
+
+
+def names_of(bits: int) -> tuple[str, ...]:
+    """The members of `LEAST_SET` that the bits stand for.
+
+    Returns
+    -------
+    tuple of str
+    """
+    return tuple(name for k, name in enumerate(LEAST_SET) if bits >> k & 1)
+
+
+def lacking_of_pairs(catalogue: Catalogue) -> NDArray[np.uint8]:
+    """The same of every pair of a catalogue, a bit for each member of `LEAST_SET`.
+
+    Returns
+    -------
+    ndarray of uint8, shape (n_pairs,)
+    """
+    motors, gearboxes = (
+        np.array([_part_bits(kind, part) for part in parts], dtype=np.uint8)
+        for kind, parts in (("motor", catalogue.motors), ("gearbox", catalogue.gearboxes))
+    )
+    bits = motors[catalogue.motor_index] | gearboxes[catalogue.gearbox_index]
+    for k, pair in enumerate(catalogue.pairs or ()):
+        if bits[k] and (pair.friction is not None or not np.isnan(pair.max_effort)):
+            bits[k] = _bits(catalogue.drivetrain(k, 0))
+    return np.asarray(bits)
+
+
+def _part_bits(kind: str, part: object) -> int:
+    return sum(1 << k for k, need in enumerate(_NEEDS) if need.part == kind and not need.is_known(part))
+
+
+def _bits(train: Drivetrain) -> int:
+    parts = {"motor": train.motor, "gearbox": train.gearbox}
+    return sum(
+        1 << k
+        for k, need in enumerate(_NEEDS)
+        if not (need.is_known(parts[need.part]) or (need.stands_for_it is not None and need.stands_for_it(train)))
+    )

@@ -1,0 +1,151 @@
+"""Conditions: what drives are held to besides the motion, the same for every pair that is tried."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, Final, final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from puma_septic.document import plain
+from puma_septic.drives import Drivetrain, Gearbox, Motor
+from puma_septic.errors import InputError
+from puma_septic.limit_check import AT_LIMIT, LimitCheck
+from puma_septic.sizing._checks import DRIVE_LIMITS
+from puma_septic.validation import Array, checked_array, checked_number
+
+__all__ = ["Conditions"]
+
+_ALL: Final = "all"
+# Values of each joint, by where a drive train has them.
+_OF_PLACE: Final = {"momentary_torque": "N m", "required_life_hours": "h", "max_inertia_ratio": ""}
+_OF_DRIVE: Final = {
+    "bus_voltage": "V", "continuous_current": "A", "peak_current": "A", "continuous_power": "W", "peak_power": "W",
+    "peak_regenerated_power": "W", "brake_resistor_power": "W",
+}  # fmt: skip
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Conditions:
+    """What drives are held to besides the motion; NaN: not asked for, or as the joint's drive train has it.
+
+    Each is one number for all joints, or one for each in the robot's order.
+
+    Parameters
+    ----------
+    ambient_celsius : array_like
+        Degrees Celsius.
+    bus_voltage, continuous_current, peak_current : array_like
+        Of the drive, V and A (in the measure of the motors' torque constant).
+    continuous_power, peak_power, peak_regenerated_power, brake_resistor_power : array_like
+        Of the drive, W.
+    momentary_torque : array_like
+        At the gearbox's output in a collision or emergency stop, N m (N).
+    required_life_hours : array_like
+        Operating hours that the gearboxes are to last.
+    max_inertia_ratio : array_like
+        Largest accepted ratio of the load's inertia, gears included, to the rotor's.
+    margins : float or mapping of str to float
+        What must be left of each limit, as a share of it: one for all, or by the kind of the check ("physics", "vendor
+        procedure") or its quantity ("gearbox life"); the most particular one counts, "all" where none does.
+
+    Raises
+    ------
+    InputError
+        For a value that is none, a margin outside 0 to 1, or a margin of an unknown check.
+
+    Examples
+    --------
+    >>> conditions = Conditions(bus_voltage=48.0, margins={"all": 0.2, "gearbox life": 0.0})
+    >>> conditions.margin("physics", "motor torque"), conditions.margin("vendor procedure", "gearbox life")
+    (0.2, 0.0)
+    """
+
+    ambient_celsius: ArrayLike = np.nan
+    bus_voltage: ArrayLike = np.nan
+    continuous_current: ArrayLike = np.nan
+    peak_current: ArrayLike = np.nan
+    continuous_power: ArrayLike = np.nan
+    peak_power: ArrayLike = np.nan
+    peak_regenerated_power: ArrayLike = np.nan
+    brake_resistor_power: ArrayLike = np.nan
+    momentary_torque: ArrayLike = np.nan
+    required_life_hours: ArrayLike = np.nan
+    max_inertia_ratio: ArrayLike = np.nan
+    margins: Mapping[str, float] | float = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for one in fields(self):
+            if one.name != "margins":
+                value = getattr(self, one.name)
+                shape: tuple[int | None, ...] = () if np.ndim(value) == 0 else (None,)
+                array = checked_array(one.name, value, shape, unit=_unit(one.name), allow_nan=True)
+                if one.name != "ambient_celsius" and (array <= 0).any():
+                    raise InputError(f"{one.name} = {array.min():g} {_unit(one.name)}: must be greater than 0")
+                object.__setattr__(self, one.name, array)
+        object.__setattr__(self, "margins", _checked_margins(self.margins))
+
+    def margin(self, kind: str, quantity: str) -> float:
+        """What must be left of a limit, as a share of it; a rule of thumb asks for nothing."""
+        margins: Any = self.margins
+        return float(next((margins[key] for key in (quantity, kind, _ALL) if key in margins), 0.0))
+
+    def stress(self, check: LimitCheck) -> float:
+        """Utilisation over what may be used, ``utilisation / (1 - margin)``: above 1 the check is not kept."""
+        return check.utilisation / (1 - self.margin(check.kind, check.quantity))
+
+    def is_kept(self, check: LimitCheck) -> bool:
+        """Whether a limit is kept with its margin."""
+        return self.stress(check) <= 1 + AT_LIMIT
+
+    def places(self, names: Sequence[str], given: Sequence[Drivetrain] | None) -> tuple[Drivetrain, ...]:
+        """What each joint has whatever the parts: the drive trains given, with these conditions."""
+        trains = [Drivetrain(motor=Motor(), gearbox=Gearbox(ratio=1.0)) for _ in names] if given is None else given
+        return tuple(self.applied(train, j, len(names)) for j, train in enumerate(trains))
+
+    def applied(self, train: Drivetrain, j: int, n_joints: int) -> Drivetrain:
+        """A joint's drive train under these conditions."""
+        drive = {name: value for name in _OF_DRIVE if not np.isnan(value := self._at(name, j, n_joints))}
+        place = {
+            name: value
+            for name in ("ambient_celsius", *_OF_PLACE)
+            if not np.isnan(value := self._at(name, j, n_joints))
+        }
+        if not (drive or place):
+            return train
+        return replace(train, drive=replace(train.drive, **drive), **place)  # type: ignore[arg-type]
+
+    def _at(self, name: str, j: int, n_joints: int) -> float:
+        values = np.asarray(getattr(self, name))
+        if values.ndim and len(values) != n_joints:
+            raise InputError(f"{name}: {len(values)} values for {n_joints} joints; give one for all or one for each")
+        return float(values[j] if values.ndim else values)
+
+    def to_dict(self) -> dict[str, Any]:
+        """What is asked for, JSON-ready; what is not is left out."""
+        values = {one.name: getattr(self, one.name) for one in fields(self)}
+        return {name: plain(value) for name, value in values.items() if not _is_unasked(value)}
+
+
+def _unit(name: str) -> str:
+    return {"ambient_celsius": "degrees Celsius", **_OF_PLACE, **_OF_DRIVE}[name]
+
+
+def _is_unasked(value: Array | Mapping[str, float]) -> bool:
+    return not value if isinstance(value, Mapping) else bool(np.isnan(value).all())
+
+
+def _checked_margins(given: object) -> dict[str, float]:
+    margins: dict[str, Any] = dict(given) if isinstance(given, Mapping) else {_ALL: given}
+    binding = [limit for limit in DRIVE_LIMITS if limit.kind != "rule of thumb"]
+    valid = [_ALL, *dict.fromkeys(limit.kind for limit in binding), *(limit.quantity for limit in binding)]
+    for name, value in margins.items():
+        if name not in valid:
+            raise InputError(f"margins: unknown check {name!r}; valid: {', '.join(valid)}")
+        margins[name] = checked_number(f"margin of {name}", value, at_least=0.0)
+        if not margins[name] < 1:
+            raise InputError(f"margin of {name} = {value}: must be less than 1")
+    return margins

@@ -1,0 +1,199 @@
+"""A selection's document as text, HTML and CSV: what was chosen, with which margin, and what else there is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from html import escape
+from math import isnan
+from typing import Any, Final
+
+from puma_septic.document import csv_text, numeric
+from puma_septic.limit_check import LimitCheck
+from puma_septic.views.tables import Cell, html_table, number, text_table
+
+__all__ = ["bill_csv", "html", "text"]
+
+Document = Mapping[str, Any]
+# A ratio beyond this is told as no bound: no gear train of a joint has one of the kind.
+_ANY_RATIO: Final = 1e6
+_HEADS: Final = {
+    "bill": "Bill of material",
+    "choice": "Chosen, with the governing limit of each joint",
+    "conditions": "Conditions",
+    "cases": "Load cases",
+    "pairs": "The best pairs of each joint",
+    "pairs_note": "use: utilisation of the governing limit; ratio window: by RMS torque and speed, without friction",
+}
+
+
+def text(document: Document) -> str:
+    """Tables that a person reads."""
+    lines = [_title(document)]
+    for head, table, note in _sections(document):
+        lines += ["", f"{head}:", text_table(*table), *([note] if note else [])]
+    lines += ["", *_explanations(document)]
+    return "\n".join([*lines, *(f"Note: {note}" for note in document["notes"])])
+
+
+def html(document: Document) -> str:
+    """The same for a page or a notebook; every text is escaped."""
+    parts = [f"<p><strong>{escape(_title(document))}</strong></p>"]
+    for head, table, note in _sections(document):
+        parts.append(html_table(*table, caption=head + (f". {note}" if note else "")))
+    lines = [*_explanations(document), *(f"Note: {note}" for note in document["notes"])]
+    return "\n".join([*parts, *(f"<p>{escape(line)}</p>" for line in lines)])
+
+
+def bill_csv(document: Document) -> str:
+    """The bill of material: one row for each part, and what it is for."""
+    headers = ["kind", "name", "count", "ratio", "mass [kg]", "cost", "joints", "source"]
+    keys = ["kind", "name", "count", "ratio", "mass", "cost"]
+    rows = [
+        [*(line[key] for key in keys), " ".join(line["joints"]), line["source"]]
+        for line in document["bill_of_material"]
+    ]
+    return csv_text([headers, *rows])
+
+
+def _title(document: Document) -> str:
+    return f"{document['robot']}, cycle of {document['duration']:g} s, by {document['rank']}: {document['verdict']}"
+
+
+Table = tuple[list[str], list[list[Cell]]]
+
+
+def _sections(document: Document) -> list[tuple[str, Table, str]]:
+    """Title, table and note, in the order in which a review reads them."""
+    sections = []
+    if document["sizing"] is not None:
+        sections += [
+            (_HEADS["choice"], _choice(document), ""),
+            (_HEADS["bill"], _bill(document), ""),
+        ]
+    if document["conditions"]:
+        sections.append((_HEADS["conditions"], _conditions(document["conditions"]), ""))
+    if document["load_cases"]:
+        sections.append((_HEADS["cases"], _cases(document["load_cases"]), ""))
+    if any(joint["kept"] or joint["undecided"] for joint in document["joints"]):
+        lacking = any(joint["undecided"] for joint in document["joints"])
+        note = _HEADS["pairs_note"] + ("; not decidable: enough is not known of the pair" if lacking else "")
+        sections.append((_HEADS["pairs"], _pairs(document), note))
+    return sections
+
+
+def _choice(document: Document) -> Table:
+    headers = [
+        "joint", "motor", "gearbox", "ratio", "mass [kg]", "cost", "governing limit", "use", "margin",
+        "RMS current [A]", "peak [A]", "peak power [W]", "drawn [J]", "life [h]",
+    ]  # fmt: skip
+    rows: list[list[Cell]] = []
+    for joint, own in zip(document["joints"], document["sizing"]["joints"], strict=True):
+        c = joint["kept"][0]
+        use, quantity = _use(c)
+        rows.append([
+            joint["name"], c["motor"], c["gearbox"], f"{c['ratio']:g}", numeric(c["mass"]), numeric(c["cost"]),
+            quantity, use, f"{100 * numeric(c['margin']):.1f} %", numeric(own["rms_current"]),
+            numeric(own["peak_current"]),
+            numeric(own["peak_drawn_power"]), numeric(own["energy_drawn"]), _hours(c["life_hours"]),
+        ])  # fmt: skip
+    totals = document["totals"]
+    power, margin = f"mean {number(numeric(totals['mean_drawn_power']))}", f"{100 * numeric(totals['margin']):.1f} %"
+    rows.append([
+        "arm", "", "", "", numeric(totals["mass"]), numeric(totals["cost"]), "", "", margin, "", "", power, "", "",
+    ])  # fmt: skip
+    return headers, rows
+
+
+def _bill(document: Document) -> Table:
+    headers = ["part", "name", "count", "ratio", "mass [kg]", "cost", "joints"]
+    rows: list[list[Cell]] = [
+        [
+            line["kind"], line["name"], line["count"], "" if line["ratio"] is None else f"{line['ratio']:g}",
+            numeric(line["mass"]), numeric(line["cost"]), ", ".join(line["joints"]),
+        ]
+        for line in document["bill_of_material"]
+    ]  # fmt: skip
+    return headers, rows
+
+
+def _conditions(conditions: Document) -> Table:
+    rows: list[list[Cell]] = []
+    for name, value in conditions.items():
+        if isinstance(value, Mapping):
+            rows += [[f"margin of {key}", f"{100 * share:g} %"] for key, share in value.items()]
+        else:
+            rows.append([name.replace("_", " "), _listed(value)])
+    return ["condition", "value"], rows
+
+
+def _listed(value: Any) -> str:
+    values = value if isinstance(value, Sequence) and not isinstance(value, str) else [value]
+    return ", ".join("as the joint has it" if one is None else f"{one:g}" for one in values)
+
+
+def _cases(cases: Sequence[Document]) -> Table:
+    total = sum(case["share"] for case in cases)
+    rows: list[list[Cell]] = [
+        [
+            case["name"], f"{100 * case['share'] / total:.3g} %", f"{case['duration']:.4g}",
+            ", ".join(f"{mass:g}" for mass in case["payloads"]), ", ".join(case["joints"]) or "all",
+            "rare" if case["is_rare"] else "",
+        ]
+        for case in cases
+    ]  # fmt: skip
+    return ["load case", "share", "duration [s]", "payloads [kg]", "joints", ""], rows
+
+
+def _pairs(document: Document) -> Table:
+    headers = [
+        "joint", "motor", "gearbox", "mass [kg]", "cost", "use", "governing limit", "inertia ratio", "ratio", "best",
+        "window",
+    ]  # fmt: skip
+    rows: list[list[Cell]] = []
+    for joint in document["joints"]:
+        own = [_row(c) for c in joint["kept"]]
+        own += [_row(c, "not decidable; ") for c in joint["undecided"]]
+        if not joint["kept"]:
+            reason = next(iter(joint["rejections"] or joint["unknowns"]), "")
+            own.insert(0, ["none", "", "", "", "", reason, "", "", "", ""])
+        rows += [[joint["name"] if k == 0 else "", *cells] for k, cells in enumerate(own)]
+    return headers, rows
+
+
+def _row(c: Document, mark: str = "") -> list[Cell]:
+    use, quantity = _use(c)
+    best, window = numeric(c["optimal_ratio"]), c["ratio_window"]
+    return [
+        c["motor"], c["gearbox"], numeric(c["mass"]), numeric(c["cost"]), use, mark + quantity,
+        numeric(c["inertia_ratio"]), f"{c['ratio']:g}", _ratio(best) if 0 < best < _ANY_RATIO else "",
+        "unknown" if window is None else _window(*map(numeric, window)),
+    ]  # fmt: skip
+
+
+def _use(c: Document) -> tuple[str, str]:
+    if c["governing"] is None:
+        return "", "none known"
+    governing = LimitCheck.from_dict(c["governing"])
+    case = f" ({governing.case})" if governing.case else ""
+    return f"{100 * governing.utilisation:.1f} %", governing.quantity + case
+
+
+def _window(least: float, most: float) -> str:
+    if not least <= most:
+        return "empty"
+    if most > _ANY_RATIO:
+        return f"any above {_ratio(least)}" if least else "any"
+    return f"{_ratio(least)} to {_ratio(most)}" if least else f"any up to {_ratio(most)}"
+
+
+def _ratio(value: float) -> str:
+    return f"{value:.0f}" if value >= 1 else f"{value:.2g}"
+
+
+def _hours(value: Any) -> str:
+    hours = numeric(value)
+    return "unknown" if isnan(hours) else number(hours)
+
+
+def _explanations(document: Document) -> list[str]:
+    return [f"{joint['name']}: {joint['explanation']}" for joint in document["joints"]]

@@ -210,7 +210,8 @@ def outcomes_of_cases(cases: tuple[JointCase, ...], every: tuple[Demands, ...]) 
 def _worst(outcomes: list[Outcome]) -> Outcome:
     """The made check of highest utilisation, else the first that was not."""
     made = [outcome for outcome in outcomes if isinstance(outcome, LimitCheck)]
-    return max(made, key=lambda check: check.utilisation) if made else outcomes[0]
+    # Of two that agree to nine digits the first, whatever rounding says.
+    return max(made, key=lambda check: float(f"{check.utilisation:.9g}")) if made else outcomes[0]
 
 
 def _mixed_life(cases: tuple[JointCase, ...], every: tuple[Demands, ...], outcomes: list[Outcome]) -> Outcome:

@@ -110,10 +110,15 @@ class Sizing:
     def demands(self) -> tuple[Demands, ...]:
         """One per joint: every number behind the checks, with the functions of time to draw.
 
-        Of several load cases those of the one in which a mean or peak of the joint uses most of its limit, rare ones
-        apart.
+        Of several load cases that have a share of the time those of the one in which the joint uses most of a limit.
         """
         return tuple(every[self._telling_case(j)] for j, every in enumerate(self._demands))
+
+    @property
+    def mean_drawn_power(self) -> float:
+        """Electric power that all motors draw, on average over the load cases with their shares, W; NaN: unknown."""
+        pairs = [pair for both in zip(self._cases, self._demands, strict=True) for pair in zip(*both, strict=True)]
+        return float(sum(case.share * demands.mean_drawn_power for case, demands in pairs if case.share))
 
     @property
     def telling_cases(self) -> tuple[str, ...]:
@@ -122,10 +127,11 @@ class Sizing:
         return tuple(name if len(self.load_cases) > 1 else "" for name in names)
 
     def _telling_case(self, j: int) -> int:
-        common = [case.name for case in self._cases[j] if case.only is None]
+        common = [case.name for case in self._cases[j] if case.share]
         checks = [c for c in self._joint_outcomes[j] if isinstance(c, LimitCheck) and c.case in common]
         governing = governing_check(most_used_first(checks), self.conditions)
-        return 0 if governing is None else [case.name for case in self._cases[j]].index(governing.case)
+        names = [case.name for case in self._cases[j]]
+        return names.index(common[0] if governing is None else governing.case)
 
     @cached_property
     def _joint_outcomes(self) -> tuple[tuple[Outcome, ...], ...]:

@@ -146,12 +146,11 @@ class Selection:
         if self.sizing is None:
             return {}
         margins = [candidate.margin for candidate in best]
-        powers = [demands.mean_drawn_power for demands in self.sizing.demands]
         return {
             "mass": plain(sum(candidate.mass for candidate in best)),
             "cost": plain(sum(candidate.cost for candidate in best)),
             "margin": plain(np.nanmin(margins) if np.isfinite(margins).any() else np.nan),
-            "mean_drawn_power": plain(float(np.sum(powers))),
+            "mean_drawn_power": plain(self.sizing.mean_drawn_power),
         }
 
     @property

@@ -59,6 +59,11 @@ def _title(document: Document) -> str:
     return f"{document['robot']}, cycle of {document['duration']:g} s, by {document['rank']}: {document['verdict']}"
 
 
+def _power(totals: Document) -> str:
+    power = numeric(totals["mean_drawn_power"])
+    return "" if isnan(power) else f"the motors draw {number(power)} W on average, together"
+
+
 Table = tuple[list[str], list[list[Cell]]]
 
 
@@ -67,7 +72,7 @@ def _sections(document: Document) -> list[tuple[str, Table, str]]:
     sections = []
     if document["sizing"] is not None:
         sections += [
-            (_HEADS["choice"], _choice(document), ""),
+            (_HEADS["choice"], _choice(document), _power(document["totals"])),
             (_HEADS["bill"], _bill(document), ""),
         ]
     if document["conditions"]:
@@ -83,25 +88,26 @@ def _sections(document: Document) -> list[tuple[str, Table, str]]:
 
 def _choice(document: Document) -> Table:
     headers = [
-        "joint", "motor", "gearbox", "ratio", "mass [kg]", "cost", "governing limit", "use", "margin",
-        "RMS current [A]", "peak [A]", "peak power [W]", "drawn [J]", "life [h]",
+        "joint", "motor", "gearbox", "ratio", "mass [kg]", "cost", "governing limit", "use", "margin", "life [h]",
     ]  # fmt: skip
     rows: list[list[Cell]] = []
-    for joint, own in zip(document["joints"], document["sizing"]["joints"], strict=True):
+    for joint in document["joints"]:
         c = joint["kept"][0]
         use, quantity = _use(c)
         rows.append([
             joint["name"], c["motor"], c["gearbox"], f"{c['ratio']:g}", numeric(c["mass"]), numeric(c["cost"]),
-            quantity, use, f"{100 * numeric(c['margin']):.1f} %", numeric(own["rms_current"]),
-            numeric(own["peak_current"]),
-            numeric(own["peak_drawn_power"]), numeric(own["energy_drawn"]), _hours(c["life_hours"]),
+            quantity, use, _percent(c["margin"]), _hours(c["life_hours"]),
         ])  # fmt: skip
     totals = document["totals"]
-    power, margin = f"mean {number(numeric(totals['mean_drawn_power']))}", f"{100 * numeric(totals['margin']):.1f} %"
     rows.append([
-        "arm", "", "", "", numeric(totals["mass"]), numeric(totals["cost"]), "", "", margin, "", "", power, "", "",
+        "arm", "", "", "", numeric(totals["mass"]), numeric(totals["cost"]), "", "", _percent(totals["margin"]), "",
     ])  # fmt: skip
     return headers, rows
+
+
+def _percent(margin: Any) -> str:
+    value = numeric(margin)
+    return "unknown" if isnan(value) else f"{100 * value:.1f} %"
 
 
 def _bill(document: Document) -> Table:

@@ -15,6 +15,7 @@ from puma_septic.views.tables import Cell, html_table, text_table
 __all__ = ["checks_csv", "html", "text"]
 
 Document = Mapping[str, Any]
+Table = tuple[list[str], list[list[Cell]]]
 
 _RPM: Final = 60 / (2 * pi)
 # A cause computed as a difference is rounding where it is below this part of the sum of causes.
@@ -24,15 +25,20 @@ _DEMANDS: Final = (
     "Load: at the gearbox's output. Causes: RMS at the joint. Torques in N m (prismatic joints: load in N), speeds in"
     " 1/min; work: mechanical, in J"
 )
+_ELECTRIC: Final = (
+    "Electric side, at the motors' terminals: A, W and, over the cycle, J; winding: temperature rise in K; expected"
+    " life of the gearbox in h"
+)
+# What is printed as 0.0 %.
+_IDLE: Final = 5e-4
 _CHECKS: Final = "use: utilisation, demand / limit; margin: 1 - use; ! marks a violated limit, ? a rule of thumb"
 
 
 def text(document: Document) -> str:
     """Tables that a person reads: verdict, demands, use of every known limit, and what is not known."""
-    lines = [_head(document), "", text_table(*_demand_table(document)), _DEMANDS]
-    headers, rows = _check_table(document)
-    if rows:
-        lines += ["", text_table(headers, rows), _CHECKS]
+    lines = [_head(document)]
+    for table, note in _tables(document):
+        lines += ["", text_table(*table), note]
     for title, items in _lists(document).items():
         lines += ["", f"{title}:", *(f"  {item}" for item in items)]
     return "\n".join(lines)
@@ -40,13 +46,8 @@ def text(document: Document) -> str:
 
 def html(document: Document) -> str:
     """The same for a notebook; every text is escaped."""
-    parts = [
-        f"<p><strong>{escape(_head(document))}</strong></p>",
-        html_table(*_demand_table(document), caption=_DEMANDS),
-    ]
-    headers, rows = _check_table(document)
-    if rows:
-        parts.append(html_table(headers, rows, caption=_CHECKS))
+    parts = [f"<p><strong>{escape(_head(document))}</strong></p>"]
+    parts += [html_table(*table, caption=note) for table, note in _tables(document)]
     parts += [f"<p>{title}: {escape('; '.join(items))}</p>" for title, items in _lists(document).items()]
     return "\n".join(parts)
 
@@ -67,43 +68,107 @@ def _head(document: Document) -> str:
     )
 
 
+def _tables(document: Document) -> list[tuple[Table, str]]:
+    """Demands, electric side, use of the limits, each with its note; the last two where something is known."""
+    tables = [(_demand_table(document), _DEMANDS)]
+    electric, checks = _electric_table(document), _check_table(document)
+    if electric[1]:
+        tables.append((electric, _ELECTRIC))
+    if checks[1]:
+        tables.append((checks, _CHECKS + _folded(document)))
+    return tables
+
+
 def _lists(document: Document) -> dict[str, list[str]]:
-    lists = {"Not assessed": document["not_assessed"], "Remarks": document["remarks"]}
+    unknown = [f"{joint}: {', '.join(missing)}" for joint, missing in document["lacking"].items()]
+    lists = {
+        "Not known of the least that decides a drive": unknown,
+        "Not assessed": document["not_assessed"],
+        "Remarks": document["remarks"],
+    }
     return {title: lines for title, lines in lists.items() if lines}
 
 
-def _demand_table(document: Document) -> tuple[list[str], list[list[Cell]]]:
+def _demand_table(document: Document) -> Table:
     headers = [
-        "joint", "load peak", "average", *_CAUSES, "motor peak", "at [s]", "RMS", "speed peak", "mean", "work out", "in"
+        *_case_header(document), "load peak", "average", *_CAUSES, "motor peak", "at [s]", "RMS", "speed peak", "mean",
+        "work out", "in",
     ]  # fmt: skip
-    return headers, [_demand_row(joint) for joint in document["joints"]]
+    return headers, [_demand_row(document, joint) for joint in document["joints"]]
 
 
-def _demand_row(joint: Document) -> list[Cell]:
+def _case_header(document: Document) -> list[str]:
+    return ["joint", "load case"] if document["load_cases"] else ["joint"]
+
+
+def _names(document: Document, joint: Document) -> list[Cell]:
+    return [joint["name"], joint.get("case", "")] if document["load_cases"] else [joint["name"]]
+
+
+def _electric_table(document: Document) -> Table:
+    """Of the joints whose currents are known."""
+    headers = [
+        *_case_header(document), "RMS current", "peak", "peak power", "mean", "drawn", "returned", "winding", "life",
+    ]  # fmt: skip
+    keys = [
+        "rms_current", "peak_current", "peak_drawn_power", "mean_drawn_power", "energy_drawn", "energy_returned",
+        "winding_temperature_rise", "expected_gearbox_life_hours",
+    ]  # fmt: skip
+    known = [joint for joint in document["joints"] if joint["rms_current"] is not None]
+    return headers, [[*_names(document, joint), *(numeric(joint[key]) for key in keys)] for joint in known]
+
+
+def _demand_row(document: Document, joint: Document) -> list[Cell]:
     value = {key: numeric(item) for key, item in joint.items() if key not in _NO_NUMBER}
     causes = {name: numeric(item) for name, item in joint["rms_by_cause"].items()}
     total = sum(causes.values())
     return [
-        joint["name"], value["peak_load_torque"], value["average_load_torque"],
+        *_names(document, joint), value["peak_load_torque"], value["average_load_torque"],
         *(causes[name] if causes[name] > _ROUNDING * total else 0.0 for name in _CAUSES),
         value["peak_motor_torque"], f"{value['peak_motor_torque_time']:.3f}", value["rms_motor_torque"],
         value["peak_motor_speed"] * _RPM, value["mean_motor_speed"] * _RPM, value["work_given"], value["work_returned"],
     ]  # fmt: skip
 
 
-_NO_NUMBER: Final = ("name", "motor", "gearbox", "drive", "rms_by_cause", "checks")
+_NO_NUMBER: Final = ("name", "motor", "gearbox", "drive", "case", "rms_by_cause", "checks")
 
 
-def _check_table(document: Document) -> tuple[list[str], list[list[Cell]]]:
-    headers = ["joint", "check", "demand", "limit", "unit", "at [s]", "use", "margin", ""]
+def _check_table(document: Document) -> Table:
+    """Of the checks that use something of their limit."""
+    cased = bool(document["load_cases"])
+    headers = [
+        "joint",
+        "check",
+        "demand",
+        "limit",
+        "unit",
+        "at [s]",
+        *(["load case"] if cased else []),
+        "use",
+        "margin",
+        "",
+    ]
+    broken = {(check["joint"], check["quantity"]) for key in ("violations", "warnings") for check in document[key]}
     rows: list[list[Cell]] = []
-    for joint in document["joints"]:
-        for c in read_checks(joint["checks"]):
+    for c in _checks(document):
+        if not _is_idle(c):
             when = "" if isnan(c.time) else f"{c.time:.3f}"
+            mark = ("?" if c.kind == "rule of thumb" else "") + ("!" if (c.joint, c.quantity) in broken else "")
+            case = [c.case] if cased else []
             use, margin = percent(c.utilisation, 1), percent(c.margin, 1)
-            rows.append([c.joint, c.quantity, c.demand, c.limit, c.unit, when, use, margin, _mark(c)])
+            rows.append([c.joint, c.quantity, c.demand, c.limit, c.unit, when, *case, use, margin, mark])
     return headers, rows
 
 
-def _mark(check: LimitCheck) -> str:
-    return ("?" if check.kind == "rule of thumb" else "") + ("!" if check.is_violated else "")
+def _checks(document: Document) -> list[LimitCheck]:
+    return [check for joint in document["joints"] for check in read_checks(joint["checks"])]
+
+
+def _is_idle(check: LimitCheck) -> bool:
+    """Whether a check uses 0.0 % of its limit, as it is printed."""
+    return check.utilisation < _IDLE
+
+
+def _folded(document: Document) -> str:
+    count = sum(_is_idle(check) for check in _checks(document))
+    return f"; {count} check{'s' if count > 1 else ''} at 0.0 % not shown" if count else ""

@@ -172,7 +172,7 @@ def test_what_no_duration_keeps_is_said_with_its_reason(puma: ps.Robot) -> None:
         ps.minimum_duration(ps.compute_motion(weak, move))
     assert error.value.q.shape == (6,)
     outside = ps.quintic_segments([[0.0] * 6, [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]], [0.0, 2.0])
-    with pytest.raises(ps.NoSolution, match="joint3 position 1 rad .* is violated at any speed"):
+    with pytest.raises(ps.NoSolution, match=r"joint3 position 1 rad .* is violated at any speed"):
         ps.minimum_duration(ps.compute_motion(puma, outside))
     with pytest.raises(ps.NoSolution, match="starts or ends; give one from rest to rest"):
         ps.minimum_duration(ps.compute_motion(puma, ps.profiles.linear([[0.0] * 6, [0.2] * 6], [0, 2.0])))

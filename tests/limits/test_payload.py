@@ -82,8 +82,8 @@ def test_motors_limit_the_payload(puma: ps.Robot) -> None:
 
 
 def test_what_no_mass_keeps_is_said(puma: ps.Robot) -> None:
-    with pytest.raises(ps.NoSolution, match="joint3 position 1 rad .*, whatever is carried"):
-        outside = ps.quintic_segments([[0.0] * 6, [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]], [0.0, 2.0])
+    outside = ps.quintic_segments([[0.0] * 6, [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]], [0.0, 2.0])
+    with pytest.raises(ps.NoSolution, match=r"joint3 position 1 rad .*, whatever is carried"):
         ps.maximum_payload(ps.compute_motion(puma, outside))
     with pytest.raises(ps.NoSolution, match="no payload keeps the limits: joint2 velocity"):
         ps.maximum_payload(ps.compute_motion(puma, stretched(move(), 0.5)))

@@ -22,8 +22,9 @@ Flags = NDArray[np.bool_]
 
 # rad/s: small SCARA and delta wrists turn at 2000 to 3000 deg/s at most, 52 rad/s; m/s for what slides.
 _FASTEST, _FASTEST_SLIDE = 53.0, 20.0
-# rad/s, of the median joint: 1150 deg/s, where the quickest industrial arms have some 700.
-_FASTEST_MEDIAN: Final = 20.0
+# rad/s, of the median joint: 2000 deg/s, where the quickest industrial arms have some 700 and legs (Unitree's, by
+# example-robot-data) 30 rad/s; the slowest arms have 40 deg/s.
+_FASTEST_MEDIAN: Final = 35.0
 # rad/s (m/s): 0.6 deg/s.
 _SLOWEST: Final = 0.01
 # rad, m: beyond two turns; no arm's axis is longer.
@@ -32,6 +33,8 @@ _WIDEST, _LONGEST = 4 * pi, 20.0
 _NARROW: Final = 0.01
 # Joints from which on equal limits are no chance.
 _FEW: Final = 4
+# Joints one behind another that no maker gives the same torque: legs have three, and fingers four, of one motor.
+_CHAIN: Final = 5
 
 
 def limit_findings(robot: Robot) -> Iterator[Finding]:
@@ -48,7 +51,7 @@ def _efforts(robot: Robot) -> Iterator[Finding]:
     # A force of 1000 N is nothing special, a torque of 1000 N m is.
     suspects = _is_placeholder(effort, 1e3) & ~robot.is_prismatic
     yield from _listed(robot, "effort_placeholder", "effort limit, a placeholder?", suspects, effort)
-    if _all_equal(effort):
+    if _all_equal(effort) and _longest_chain(robot) >= _CHAIN:
         message = f"all {len(effort)} joints have the same effort limit, {effort[0]:.4g} N m: a placeholder?"
         yield Finding(code="effort_equal", severity="doubtful", parts=robot.joint_names, message=message)
 
@@ -112,6 +115,11 @@ def _is_placeholder(values: Array, least: float) -> Flags:
 
 def _all_equal(values: Array) -> bool:
     return len(values) >= _FEW and bool((values == values[0]).all())
+
+
+def _longest_chain(robot: Robot) -> int:
+    """Moving joints one behind another, at most."""
+    return max(len(support) for support in robot.model.supports) - 1
 
 
 def _unit(robot: Robot, quantity: str, j: int) -> str:

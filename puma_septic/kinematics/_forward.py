@@ -113,12 +113,18 @@ def jacobian(robot: Robot, q: ArrayLike) -> Array:
 
 def jacobian_columns(robot: Robot, q: Array) -> Array:
     """The Jacobian, shape (n, 6, n_joints), for joint values already checked, shape (n_joints, n)."""
+    return end_and_jacobian(robot, q)[1]
+
+
+def end_and_jacobian(robot: Robot, q: Array) -> tuple[Array, Array]:
+    """The tool's frame, shape (4, 3, n), and the Jacobian, shape (n, 6, n_joints), by one walk along the chain."""
     chain = chain_to(robot)
     each = np.zeros((len(chain.columns), 6, q.shape[1]))
-    frame = np.zeros((4, 3, 1))
+    frame = np.eye(4, 3)[:, :, None]
     for k, frame in enumerate(frames(chain, q)):
         each[k, :3], each[k, 3:] = frame[3], frame[2]
-    origin = np.tensordot(chain.end[:, 3], frame, axes=1)
+    end = np.broadcast_to((chain.end.T @ frame.reshape(4, -1)).reshape(frame.shape), (4, 3, q.shape[1]))
+    origin = end[3]
     for k, slides in enumerate(chain.prismatic):
         linear, axis = each[k, :3], each[k, 3:]
         if slides:
@@ -130,7 +136,7 @@ def jacobian_columns(robot: Robot, q: Array) -> Array:
         np.add.at(columns, chain.columns, each * np.array(chain.factors)[:, None, None])
     else:
         columns[chain.columns] = each
-    return np.ascontiguousarray(columns.transpose(2, 1, 0))
+    return end, np.ascontiguousarray(columns.transpose(2, 1, 0))
 
 
 def tool_motion(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> ToolMotion:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from puma_septic.kinematics._chain import Chain, chain_to, end_frame
 from puma_septic.kinematics._conditions import CONDITIONS, Conditions, condition_errors, condition_rows
-from puma_septic.kinematics._forward import jacobian_columns
+from puma_septic.kinematics._forward import end_and_jacobian, jacobian_columns
 from puma_septic.kinematics._wrapping import resting, wrapped
 from puma_septic.robot import Robot
 from puma_septic.validation import Array
@@ -29,7 +29,7 @@ CONVERGED = 1e-14
 # An answer leaves less than this over (m, rad).
 SOLVED = 1e-10
 # Steps in which the squared error must fall to half: near an answer each step does more, even where two meet.
-_PATIENCE: Final = 8
+_PATIENCE: Final = 6
 # How often answers are seeds for others.
 _ROUNDS: Final = 3
 # Smallest singular value of the Jacobian below which a posture is called singular.
@@ -51,7 +51,7 @@ def levenberg_marquardt(
 
     Each step solves :math:`(J^T J + \lambda I)\,\delta = J^T e`, with :math:`\lambda` divided by ten after a
     step that brings the tool nearer and multiplied by four after one that does not and is taken back
-    (Marquardt 1963). A start that does not halve its squared error in eight steps is stuck and given up.
+    (Marquardt 1963). A start that does not halve its squared error in six steps is stuck and given up.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def levenberg_marquardt(
         What is left of the k conditions, m over rad.
     """
     target = np.broadcast_to(target, (4, 3, len(q)))
-    q, errors = q.copy(), end_errors(chain_to(robot), target, q, conditions)
+    q, (errors, matrix) = q.copy(), _errors_and_slopes(robot, target, q, conditions)
     dampings = np.full(len(q), damping)
     active = np.arange(len(q))
     before = np.full(len(q), np.inf)
@@ -87,14 +87,13 @@ def levenberg_marquardt(
         if not len(active):
             break
         there = target[:, :, active]
-        matrix = condition_rows(there, jacobian_columns(robot, q[active].T), conditions)
-        trial = q[active] + _steps(matrix, errors[active], dampings[active])
+        trial = q[active] + _steps(matrix[active], errors[active], dampings[active])
         if bounds is not None:
             trial = np.clip(trial, *bounds)
-        trial_errors = end_errors(chain_to(robot), there, trial, conditions)
+        trial_errors, slopes = _errors_and_slopes(robot, there, trial, conditions)
         nearer = (trial_errors**2).sum(axis=1) < (errors[active] ** 2).sum(axis=1)
         better = active[nearer]
-        q[better], errors[better] = trial[nearer], trial_errors[nearer]
+        q[better], errors[better], matrix[better] = trial[nearer], trial_errors[nearer], slopes[nearer]
         dampings[active] *= np.where(nearer, 0.1, 4.0)
     return q, errors
 
@@ -102,6 +101,12 @@ def levenberg_marquardt(
 def end_errors(chain: Chain, target: Array, q: Array, conditions: Conditions = CONDITIONS["pose"]) -> Array:
     """What separates the chain's end from its target, shape (n, k): m over rad."""
     return condition_errors(target, end_frame(chain, q.T), conditions)
+
+
+def _errors_and_slopes(robot: Robot, target: Array, q: Array, conditions: Conditions) -> tuple[Array, Array]:
+    """What separates the tool from its target, and the Jacobian of that, shape (n, k, n_joints)."""
+    end, columns = end_and_jacobian(robot, q.T)
+    return condition_errors(target, end, conditions), condition_rows(target, columns, conditions)
 
 
 def _steps(matrix: Array, errors: Array, damping: Array) -> Array:

@@ -25,7 +25,7 @@ _LEAST_SIZE: Final = 0.2
 # Of both neighbours' masses. Of example-robot-data's arms the largest step is 9 (UR10, wrist 2 to 3 is 1 of 6).
 _OUTLIER: Final = 25.0
 # kg per metre of reach; the lightest arms made of plastic and hobby servos have some 1.5.
-_LEAST_MASS: Final = 0.2
+_LEAST_MASS: Final = 0.5
 # m, and times the median of the arm: the largest arms reach 4 to 5 m.
 _FAR, _FAR_RATIO = 5.0, 50.0
 
@@ -50,6 +50,8 @@ class Body:
         From the parent joint's origin to this one's, m.
     size : float
         From its joint's origin to the farthest frame that is fixed to it, m.
+    is_bare : bool
+        Whether nothing is behind it, no joint and no frame, that says how large it is: a wheel, a finger.
     is_first : bool
         Whether nothing that moves carries it: of its tensor only the moment about its axis then counts, and no
         identification finds the others (Gautier, Khalil, "Direct calculation of minimum set of inertial parameters of
@@ -66,13 +68,9 @@ class Body:
     tensor: Array
     distance: float
     size: float
+    is_bare: bool
     is_first: bool
     axial_moment: float
-
-    @property
-    def is_bare(self) -> bool:
-        """Whether no joint and no frame away from its joint's origin says how large it is."""
-        return self.size == 0.0
 
     @property
     def largest_moment(self) -> float:
@@ -96,6 +94,7 @@ def _body(model: Any, k: int) -> Body:
     data = model.joints[k].createData()
     model.joints[k].calc(data, pin.neutral(model))
     axis = np.ravel(data.S)[3:]
+    size = max((float(np.linalg.norm(place)) for place in places), default=0.0)
     return Body(
         joint=model.names[k],
         link=links[0] if links else model.names[k],
@@ -104,7 +103,8 @@ def _body(model: Any, k: int) -> Body:
         moments=np.linalg.eigvalsh(tensor),
         tensor=tensor,
         distance=float(np.linalg.norm(model.jointPlacements[k].translation)),
-        size=max((float(np.linalg.norm(place)) for place in places), default=0.0),
+        size=size,
+        is_bare=not children and size == 0.0,
         is_first=int(model.parents[k]) == 0,
         axial_moment=float(axis @ tensor @ axis),
     )

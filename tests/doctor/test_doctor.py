@@ -13,6 +13,7 @@ from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
 from helpers import arms
 from helpers.places import PANDA, ROBOTS
@@ -235,6 +236,76 @@ def test_every_kind_of_fault_is_found(name: str, mutation: str, tmp_path: Path) 
         left_out = code in REFUSED and "no_inertia" in codes and any("is not used" in note for note in robot.notes)
         is_found = (code in codes or left_out) and examination.verdicts[CODES[code][0]] != "yes"
     assert is_found
+
+
+@pytest.mark.parametrize("name", ["ur3", "tiago_no_hand", "tiago_pro", "centauro", "anymal-kinova", "b1-z1"])
+def test_arms_that_no_threshold_was_set_on_have_no_doubts(name: str) -> None:
+    """Out of sample: what else example-robot-data has of arms whose numbers are a maker's. Of its others each has a
+    doubt that is justified: efforts of 1000 or all equal, the UR5's wrists, the PR2's and Baxter's springs."""
+    assert doubts(ps.load_robot(name)) == ()
+
+
+def legs(folder: Path, effort: float, velocity: float, count: int) -> ps.Robot:
+    """Two chains of so many joints with motors that are all the same."""
+    body = '<link name="base"/>'
+    for side in ("left", "right"):
+        parent = "base"
+        for k in range(count):
+            name = f"{side}{k}"
+            body += arms.link(name, 1.0 + 0.1 * k, [0, 0, -0.1], (0.003 + 0.001 * k) * np.eye(3))
+            body += arms.joint(f"j{name}", "revolute", parent, name, [0, 0, -0.2], [0.0, 1.0, 0.0])
+            parent = name
+    robot = arms.load(folder, "legs", body)
+    return robot.with_limits(effort=np.full(2 * count, effort), velocity=np.full(2 * count, velocity))
+
+
+def test_legs_of_one_motor_are_sound_and_an_arm_of_one_motor_is_not(tmp_path: Path) -> None:
+    """Twelve motors of 33.5 N m and 21 rad/s (Unitree's A1) were called placeholders, in degrees per second."""
+    assert doubts(legs(tmp_path, 33.5, 21.0, 3)) == ()
+    (found,) = doubts(legs(tmp_path, 66.0, 21.0, 5))
+    assert "all 10 joints have the same effort limit, 66 N m: a placeholder?" in found
+
+
+def test_one_joint_at_1_rad_per_second_is_no_placeholder() -> None:
+    """Franka's FR3 has 2, 1, 1.5, 1.25, 3, 1.5, 3 rad/s (franka_description, joint_limits.yaml)."""
+    robot = ps.load_robot()
+    assert doubts(robot.with_limits(velocity=[2, 1, 1.5, 1.25, 3, 1.5])) == ()
+    assert "velocity limit, a placeholder?" in doubts(robot.with_limits(velocity=[1, 1, 1, 1.25, 3, 1.5]))[0]
+
+
+def test_a_force_of_1000_n_is_nothing_special(tmp_path: Path) -> None:
+    robot = arms.branched_arm(tmp_path, np.random.default_rng(1), 6)
+    efforts = np.where(robot.is_prismatic, 1000.0, 600.0 + np.arange(6))
+    assert robot.is_prismatic.any()
+    assert not any("effort limit, a placeholder?" in text for text in doubts(robot.with_limits(effort=efforts)))
+
+
+def test_a_wheel_is_not_held_against_a_size_that_nothing_tells(tmp_path: Path) -> None:
+    """TurtleBot's wheels turn about their middle, and no frame is fixed to them: 27 mm in "a link of some 17 mm"."""
+    body = '<link name="base"/>'
+    for name, y in (("left", 0.08), ("right", -0.08)):
+        body += arms.link(name, 0.0285, [0, 0, 0], np.diag([1.1e-5, 1.1e-5, 2.1e-5]))
+        body += arms.joint(f"{name}_wheel", "revolute", "base", name, [0, y, 0.02], [0.0, 0.0, 1.0])
+    assert not any("radius of gyration" in text for text in doubts(arms.load(tmp_path, "wheels", body)))
+
+
+def test_a_meshs_scale_counts_once(tmp_path: Path) -> None:
+    """Meshes in mm, scaled to m, had 1e-9 of their volume, and links were denser than lead."""
+    corners = 100.0 * np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    faces = [corners[[0, 2, 1]], corners[[0, 1, 3]], corners[[0, 3, 2]], corners[[1, 2, 3]]]
+    lines = ["solid tetrahedron"]
+    for face in faces:
+        lines += ["facet normal 0 0 0", "outer loop", *(f"vertex {x:g} {y:g} {z:g}" for x, y, z in face)]
+        lines += ["endloop", "endfacet"]
+    (tmp_path / "upper.stl").write_text("\n".join([*lines, "endsolid tetrahedron"]))
+    for mass, is_odd in ((0.3, False), (3.0, True)):  # kg in 1/6 l: 1,800 and 18,000 kg/m^3
+        body = '<link name="base"/>' + arms.link("l1", mass, [0, 0, 0], 1e-3 * np.eye(3)).replace(
+            "</link>",
+            '<visual><geometry><mesh filename="upper.stl" scale="0.001 0.001 0.001"/></geometry></visual></link>',
+        )
+        body += arms.joint("j1", "revolute", "base", "l1", [0, 0, 0.1], [0.0, 0.0, 1.0])
+        codes = {finding.code for finding in examine(arms.load(tmp_path, "scaled", body)).findings}
+        assert ("density" in codes) == is_odd
 
 
 def test_the_wrists_of_the_old_ur5_file_are_too_large() -> None:

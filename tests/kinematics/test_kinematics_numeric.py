@@ -162,6 +162,13 @@ def test_batch_is_for_closed_forms_only(tmp_path: Path) -> None:
         ps.inverse_kinematics(ps.load_robot(EXAMPLES["ur5"]), np.eye(4), starts=0)
 
 
+def test_a_tool_that_no_joint_carries_has_no_joint_positions(tmp_path: Path) -> None:
+    """A gripper alone, whose tool is its palm, was an IndexError."""
+    robot = load(tmp_path, tool="base")
+    with pytest.raises(ps.ModelError, match=r"no joint of 'arm' carries the tool 'base': choose another frame"):
+        ps.inverse_kinematics(robot, np.eye(4))
+
+
 # ---- some of the conditions
 
 

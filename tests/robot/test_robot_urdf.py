@@ -325,6 +325,20 @@ def test_limits_of_version_1_2_and_vendors(tmp_path: Path) -> None:
     assert load(tmp_path, foreign).limits.acceleration[0] == 10.0
 
 
+def test_a_misspelt_soft_limit_stops_nothing(tmp_path: Path) -> None:
+    """Kinova's own Gen3 lite has soft_upper and soft_lower: no number rests on them."""
+    text = replaced("</joint>", '<safety_controller soft_upper="0" soft_lower="0" k_velocity="0"/></joint>')
+    robot = load(tmp_path, text)
+    assert robot.limits.position.tolist() == load(tmp_path).limits.position.tolist()
+    assert any("soft_upper" in note for note in robot.notes)
+
+
+def test_minus_zero_is_zero_in_a_tensor_written_in_full(tmp_path: Path) -> None:
+    """Kinova's Movo: iyx='0.000000' and ixy='-0.000000' left the link without inertia."""
+    robot = load(tmp_path, replaced('izz="0.05"', 'izz="0.05" iyx="-0.000" izx="0e0" izy="0.0"'))
+    assert robot.knows_torque.all()
+
+
 def test_soft_limits_are_told_and_taken_on_request(tmp_path: Path) -> None:
     """They were dropped without a word."""
     soft = '<safety_controller k_velocity="20" soft_lower_limit="-0.5" soft_upper_limit="0.5"/></joint>'

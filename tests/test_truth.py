@@ -57,8 +57,8 @@ METRICS = ("peak_velocity", "peak_acceleration", "peak_jerk", "peak_torque", "rm
            "peak_power", "peak_regenerated_power")  # fmt: skip
 
 
-# What is below this part of a value's scale is rounding: conditions, series and quadratures lose up to five digits.
-ROUNDING = 1e-11
+# What is below this part of a value's scale is rounding: a phase of 1e-4 of a motion's duration loses four digits.
+ROUNDING = 4e-11
 STEP = 1e-12
 # One-sided difference quotients are taken over this step: rounding is 1e-3 of a slope of one scale, and no joint that
 # rests begins to move.
@@ -85,28 +85,34 @@ def changed(seed: int, puma: ps.Robot, by: float) -> ps.Assessment:
     return ps.assess(robot, make(family, points, durations, rng))
 
 
-def assert_no_jump(seed: int, puma: ps.Robot) -> None:
-    """Values move by their slope: a bound of 1e-8 of a value, then 1e-7, was broken by the shortest and tiniest moves.
+def jumps(seed: int, puma: ps.Robot) -> list[str]:
+    """What moves by more than its slope: a bound of 1e-8 of a value was broken by the shortest and tiniest moves.
 
-    Where more than rounding changes, the slopes to both sides are taken over a hundred times the step; a jump would be
-    a hundred times what they allow. Where work changes its sign the slopes differ, by up to half as much again.
+    Where more than rounding changes, the change over a hundred times the step, to both sides, is a hundred times as
+    large. Where work changes its sign the slopes differ, by up to half as much again. Where a joint that stood begins
+    to turn, it turns for a time that goes with the square root of the change: ten times as large, and 1e-7 at most. A
+    jump would be as large over any step.
     """
     one, other = changed(seed, puma, 0.0), changed(seed, puma, STEP)
-    name = f"seed {seed}, {one.motion.trajectory.profile}"
     sides: list[ps.Assessment] = []
+    found = []
     for metric in METRICS:
         before, after = getattr(one, metric), getattr(other, metric)
-        assert (np.isfinite(before) == np.isfinite(after)).all(), f"{name}: {metric} {before}, then {after}"
-        finite = np.isfinite(before)
-        rounding = ROUNDING * _scale(one, metric)
+        if (np.isfinite(before) != np.isfinite(after)).any():
+            found.append(f"{metric} {before}, then {after}")
+            continue
+        finite, scale = np.isfinite(before), _scale(one, metric)
         change = np.abs(before[finite] - after[finite])
-        if (change > rounding).any():
+        if (change > ROUNDING * scale).any():
             sides = sides or [changed(seed, puma, by) for by in (-SLOPE_STEP, SLOPE_STEP)]
-            slope = (
-                np.max([np.abs(getattr(side, metric)[finite] - before[finite]) for side in sides], axis=0) / SLOPE_STEP
-            )
-            assert (change <= 1.5 * slope * STEP + rounding).all(), f"{name}: {metric} {before}, then {after}, {slope}"
-    assert [str(check)[:14] for check in one.violations] == [str(check)[:14] for check in other.violations], name
+            over = np.max([np.abs(getattr(side, metric)[finite] - before[finite]) for side in sides], axis=0)
+            smooth = change <= 1.5 * over * STEP / SLOPE_STEP + ROUNDING * scale
+            root = (change <= 1.5 * over * np.sqrt(STEP / SLOPE_STEP)) & (change <= 1e-7 * scale)
+            if not (smooth | root).all():
+                found.append(f"{metric} {before} moves by {change}, over a hundred times the step by {over}")
+    if [str(check)[:14] for check in one.violations] != [str(check)[:14] for check in other.violations]:
+        found.append("the violations differ")
+    return [f"seed {seed}, {one.motion.trajectory.profile}: {text}" for text in found]
 
 
 def _scale(one: ps.Assessment, metric: str) -> float:
@@ -118,15 +124,19 @@ def _scale(one: ps.Assessment, metric: str) -> float:
 
 @pytest.mark.parametrize("first", [0, 26])
 def test_an_input_changed_by_1e_12_changes_nothing_that_is_told(puma: ps.Robot, first: int) -> None:
-    for seed in range(first, first + 26):
-        assert_no_jump(seed, puma)
+    assert [text for seed in range(first, first + 26) for text in jumps(seed, puma)] == []
+
+
+@pytest.mark.parametrize("seed", [479, 6563, 7499])
+def test_a_stop_that_becomes_a_turn_does_so_by_a_square_root(puma: ps.Robot, seed: int) -> None:
+    """Where a joint that stood begins to creep, it turns within its blend for 1e-8 s: of 10,400 moves, in these."""
+    assert jumps(seed, puma) == []
 
 
 @pytest.mark.study
 @pytest.mark.parametrize("first", range(0, 10_400, 1040))
 def test_10_000_inputs_changed_by_1e_12_change_nothing_that_is_told(puma: ps.Robot, first: int) -> None:
-    for seed in range(first, first + 1040):
-        assert_no_jump(seed, puma)
+    assert [text for seed in range(first, first + 1040) for text in jumps(seed, puma)] == []
 
 
 # ---- crowded zeros and critical points

@@ -1,19 +1,23 @@
 """Where a sampled motion is less than smooth: steps of its acceleration, jerk or snap between two samples.
 
 A clean log knows such an instant far better than its step of time. The polynomials through the samples on either side
-differ by ``c (t - tau)^m`` where the m-th derivative steps at tau, whatever lies between the two samples; tau is the
-root of the difference's derivative of order m - 1.
+differ by ``c (t - tau)^m`` where the m-th derivative steps at tau, whatever lies between the two samples: tau is the
+root of the difference's derivative of order m - 1. Where the jerk steps twice between them, as it does while an
+acceleration rises, they differ by ``c1 (t - tau1)^3 + c2 (t - tau2)^3``, which four coefficients determine (Prony's
+method: the instants are the roots of ``t^2 - s t + p`` with ``mu[k+2] = s mu[k+1] - p mu[k]`` for the moments
+``mu[k] = c1 tau1^k + c2 tau2^k``).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final, final
+from typing import Final, NamedTuple, final
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
+from numpy.polynomial import Polynomial
+from numpy.typing import ArrayLike
 
 from puma_septic.validation import Array
 
@@ -21,36 +25,49 @@ __all__ = ["Break", "find_breaks"]
 
 # Orders of the differences by which breaks are seen: a high one for what is smooth, a low one where breaks are close.
 _ORDERS: Final = (7, 5, 4)
-# Differences over a break are this many times those beside it.
+# Samples between two breaks that are seen as one place.
+_SPANS: Final = range(7)
+# Differences over a place are this many times those beside it.
 _STANDS_OUT: Final = 20.0
-# Windows on either side that are held against those over a gap.
+# And this many times, where the polynomials beside it must be exact.
+_CLEARLY: Final = 1e3
+# Windows on either side that are held against those over a place.
 _BESIDE: Final = 3
-# A difference below this many roundings of the position is none.
+# A difference below this many roundings of the position, or deviations of its noise, is none.
 _ROUNDINGS: Final = 64
-# Lower derivatives of the difference vanish at the break but for this part of the step, in steps of time.
-_VANISHING: Final = 0.02
-# A root so far outside the gap, in steps of time, is at its border.
+# Lower derivatives of the difference vanish at a break but for this part of the step, in steps of time; nearly, where
+# nothing better is found.
+_VANISHING, _NEARLY = 1e-7, 0.02
+# A root so far outside its place, in steps of time, is at the border.
 _OUTSIDE: Final = 0.02
 # Breaks of two joints so close together, in steps of time, are one: by their order, as that is how well they are known.
-_SAME: Final = {1: 1e-5, 2: 1e-5, 3: 1e-3, 4: 1e-2}
-# Samples of the polynomial on either side, at most and at least.
-_MOST, _FEWEST = 7, 4
-# More breaks than this are no motion that somebody planned.
-_MOST_BREAKS: Final = 200
+_SAME: Final = {1: 1e-4, 2: 1e-4, 3: 1e-3, 4: 1e-2}
+# Samples of the polynomial on either side: within those that stand out beside a place.
+_SIDE: Final = 7
+# More places than this that may be breaks are no motion that somebody planned.
+_MOST_PLACES: Final = 2000
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Break:
-    """An instant, s, at which the derivative of this order steps, between the samples `gap` and ``gap + 1``."""
+    """An instant, s, at which the derivative of this order steps, after the sample `gap`."""
 
     time: float
     order: int
     gap: int
 
 
-def find_breaks(t: Array, q: Array, noise: Array) -> tuple[tuple[Break, ...], ...]:
-    """The breaks of each joint, in order.
+class Place(NamedTuple):
+    """Breaks are after the sample `first` and before the sample `last`."""
+
+    first: int
+    last: int
+    is_clear: bool
+
+
+def find_breaks(t: Array, q: Array, noise: Array, rests: Array) -> tuple[tuple[Break, ...], ...]:
+    """The breaks of each joint, in order; a break at the start or the end itself is none.
 
     Parameters
     ----------
@@ -59,81 +76,146 @@ def find_breaks(t: Array, q: Array, noise: Array) -> tuple[tuple[Break, ...], ..
     q : ndarray, shape (n, n_joints)
     noise : ndarray, shape (n_joints,)
         Standard deviation of a sample.
+    rests : ndarray of bool, shape (2, n_joints)
+        Whether each joint rests before the start and after the end: it is where it was then.
     """
-    rounding = np.finfo(float).eps * np.abs(q).max(axis=0)
-    found: list[list[Break]] = [[] for _ in q.T]
-    for j, gaps in enumerate(_gaps(t, q, _ROUNDINGS * np.maximum(rounding, noise))):
-        borders = np.concatenate([[-1], gaps, [len(t) - 1]])
-        for gap, left, right in zip(gaps.tolist(), np.diff(borders)[:-1], np.diff(borders)[1:], strict=True):
-            found[j] += _located(t, q[:, j], gap, min(_MOST, int(left)), min(_MOST, int(right)))
+    before = t[0] + (t[1] - t[0]) * np.arange(-_SIDE, 0)
+    after = t[-1] + (t[-1] - t[-2]) * np.arange(1, _SIDE + 1)
+    times, padded = np.concatenate([before, t, after]), np.pad(q, ((_SIDE, _SIDE), (0, 0)), mode="edge")
+    floor = _ROUNDINGS * np.maximum(np.finfo(float).eps * np.abs(q).max(axis=0), noise)
+    found = []
+    for j, places in enumerate(_places(times, padded, floor)):
+        # Where a joint does not rest at an end, nothing is known of what was beyond.
+        span = slice(0 if rests[0, j] else _SIDE, len(times) - (0 if rests[1, j] else _SIDE))
+        found.append(_inside(t, _of_joint(times, padded[:, j], places, span)))
     return _united(t, found)
 
 
-def _gaps(t: Array, q: Array, floor: Array) -> list[NDArray[np.int64]]:
-    """Gaps between samples, by the first of them, over which a joint's differences stand out from those beside it."""
-    best = np.zeros((len(t) - 1, q.shape[1]))
-    for order in _ORDERS:
-        if len(t) > order + 2 * _BESIDE:
-            best = np.maximum(best, _prominence(t, q, order, floor))
+def _inside(t: Array, breaks: Sequence[tuple[int, float]]) -> list[Break]:
+    """Breaks, by order and time, that are not at the very start or end."""
     found = []
-    for prominence in best.T:
-        gaps: list[int] = []
-        wanted = np.flatnonzero(prominence >= _STANDS_OUT)
-        for gap in wanted[np.argsort(-prominence[wanted])].tolist() if len(wanted) < _MOST_BREAKS else ():
-            if all(abs(gap - other) > 2 for other in gaps):
-                gaps.append(gap)
-        found.append(np.sort(np.array(gaps, dtype=np.int64)))
+    for order, time in sorted(breaks, key=lambda one: one[1]):
+        gap = int(np.clip(np.searchsorted(t, time, side="right") - 1, 0, len(t) - 2))
+        margin = _SAME[order] * (t[gap + 1] - t[gap])
+        if t[0] + margin < time < t[-1] - margin:
+            found.append(Break(time=time, order=order, gap=gap))
     return found
 
 
-def _prominence(t: Array, q: Array, order: int, floor: Array) -> Array:
-    """By how many times the differences over each gap are larger than those beside it, shape (n - 1, n_joints)."""
+def _places(t: Array, q: Array, floor: Array) -> list[list[Place]]:
+    """Where a joint's differences stand out from those beside: the shortest places first, then the clearest."""
+    best = np.zeros((len(_SPANS), len(t), q.shape[1]))
+    for order in _ORDERS:
+        size = _differences(t, q, order)
+        for span in _SPANS:
+            over = _prominence(size, order, span, floor)
+            best[span, : len(over)] = np.maximum(best[span, : len(over)], over)
+    places = []
+    for prominence in best.transpose(2, 0, 1):
+        spans, firsts = np.nonzero(prominence >= _STANDS_OUT)
+        sizes = prominence[spans, firsts]
+        order_of = np.lexsort([-sizes, spans])[: 0 if len(spans) > _MOST_PLACES else None]
+        lasts, clear = firsts + spans + 1, sizes >= _CLEARLY
+        places.append([Place(int(firsts[k]), int(lasts[k]), bool(clear[k])) for k in order_of])
+    return places
+
+
+def _differences(t: Array, q: Array, order: int) -> Array:
+    """Divided differences of the samples from each on, times a factor that makes their weights a unit vector."""
     times = sliding_window_view(t, order + 1)
     x = (times - times[:, :1]) / (times[:, -1:] - times[:, :1])
     weights = 1 / (x[:, :, None] - x[:, None, :] + np.eye(order + 1)).prod(axis=2)
     weights /= np.linalg.norm(weights, axis=1, keepdims=True)
     values = sliding_window_view(q, order + 1, axis=0)
-    size = np.abs(np.einsum("nk,njk->nj", weights, values - values[..., :1]))
-    # Windows i - order + 1 to i go over the gap i; those before and after do not.
-    padded = np.pad(size, ((order + _BESIDE, order + _BESIDE), (0, 0)))
-    windows = sliding_window_view(padded, order + 2 * _BESIDE, axis=0)[1:-1]
-    over = windows[..., _BESIDE : _BESIDE + order].max(axis=2)
-    beside = np.maximum(windows[..., :_BESIDE].max(axis=2), windows[..., _BESIDE + order :].max(axis=2))
+    return np.asarray(np.abs(np.einsum("nk,njk->nj", weights, values - values[..., :1])))
+
+
+def _prominence(size: Array, order: int, span: int, floor: Array) -> Array:
+    """By how many times the differences over each place of so many samples are larger than those beside it.
+
+    Row g is of the place from sample g to sample g + span + 1; differences from g - order + 1 to g + span go over it.
+    """
+    edge = order + _BESIDE
+    windows = sliding_window_view(np.pad(size, ((edge, edge), (0, 0))), order + span + 2 * _BESIDE, axis=0)[1:-1]
+    over = windows[..., _BESIDE:-_BESIDE].max(axis=2)
+    beside = np.maximum(windows[..., :_BESIDE].max(axis=2), windows[..., -_BESIDE:].max(axis=2))
     prominence = over / np.maximum(np.maximum(beside, floor), np.finfo(float).tiny)
-    # A gap near an end has no windows on one side to be held against.
+    # A place near an end has no differences on one side to be held against.
     prominence[:order], prominence[len(prominence) - order :] = 0.0, 0.0
     return np.asarray(prominence)
 
 
-def _located(t: Array, q: Array, gap: int, left: int, right: int) -> list[Break]:
-    """The break in a gap, where the polynomials on both sides, through so many samples, agree on one."""
-    if min(left, right) < _FEWEST:
-        return []
-    step = t[gap + 1] - t[gap]
-    before, after = slice(gap + 1 - left, gap + 1), slice(gap + 1, gap + 1 + right)
-    difference = np.zeros(_MOST)
-    for part, sign in ((before, 1), (after, -1)):
-        x = (t[part] - t[gap]) / step
-        powers = np.linalg.solve(np.vander(x, increasing=True), q[part] - q[gap])
-        difference[: len(powers)] += sign * powers
+def _of_joint(t: Array, q: Array, places: Sequence[Place], span: slice) -> list[tuple[int, float]]:
+    """Orders and times of the breaks of a joint: exact ones first, then those that come near to one."""
+    free, found = np.zeros(len(t), np.bool_), list[tuple[int, float]]()
+    free[span] = True
+    for allowed in (_VANISHING, _NEARLY):
+        for place in places:
+            # Breaks may be at the samples that bound the place, and a little beyond.
+            for before, after in ((0, 0), (1, 0), (0, 1)):
+                first, last = place.first - before, place.last + after
+
+                if first - _SIDE + 1 < span.start or last + _SIDE > span.stop or not free[first : last + 1].all():
+                    continue
+                if breaks := _steps(t, q, place._replace(first=first, last=last), allowed):
+                    found += breaks
+                    free[first : last + 1] = False
+                    break
+    return found
+
+
+def _steps(t: Array, q: Array, place: Place, allowed: float) -> list[tuple[int, float]]:
+    """Orders and times of the steps that make the polynomials on both sides of a place differ: one, or two of jerk."""
+    step, start = t[place.first + 1] - t[place.first], t[place.first]
+    sides = slice(place.first + 1 - _SIDE, place.first + 1), slice(place.last, place.last + _SIDE)
+    left, right = (
+        Polynomial(np.linalg.solve(np.vander((t[side] - start) / step, increasing=True), q[side] - q[place.first]))
+        for side in sides
+    )
+    end = float((t[place.last] - start) / step)
+    found = _single(left - right, end, allowed) if place.last == place.first + 1 else []
+    if not found and place.is_clear:
+        found = _two_of_jerk(left - right, end)
+    return [(order, float(start + min(max(x, 0.0), end) * step)) for order, x in found]
+
+
+def _single(difference: Polynomial, end: float, allowed: float) -> list[tuple[int, float]]:
+    """Where a difference is like ``c (x - x0)^m``, for the highest order m of 4, 3, 2 and 1.
+
+    Its lower derivatives vanish there; a step of velocity outweighs the next derivatives instead.
+    """
+    derivatives = [difference]
+    for _ in range(5):
+        derivatives.append(derivatives[-1].deriv())
     for order in (4, 3, 2, 1):
-        for x in _roots(difference, order):
-            return [Break(time=float(t[gap] + min(max(x, 0.0), 1.0) * step), order=order, gap=gap)]
+        small = derivatives[: order - 1] if order > 1 else derivatives[2:4]
+        for x in _within(derivatives[order - 1].roots(), end, _OUTSIDE):
+            least = (_NEARLY if order == 1 else allowed) * abs(derivatives[order](x))
+            if all(abs(one(x)) <= least for one in small):
+                return [(order, x)]
     return []
 
 
-def _roots(difference: Array, order: int) -> list[float]:
-    """Where in [0, 1] a difference, in powers of x, is like ``c (x - x0)^order``.
+def _two_of_jerk(difference: Polynomial, end: float) -> list[tuple[int, float]]:
+    """Where a difference is ``c1 (x - x1)^3 + c2 (x - x2)^3``, by Prony's method about the middle."""
+    middle = end / 2
+    series = np.asarray(difference(Polynomial([middle, 1.0])).coef, dtype=float)
+    series = np.pad(series, (0, max(0, 5 - len(series))))
+    if np.abs(series[4:] * (middle + 0.5) ** np.arange(len(series) - 4)).max() > _NEARLY * np.abs(series[:4]).max():
+        return []
+    moments = np.array([series[3], -series[2] / 3, series[1] / 3, -series[0]])
+    system = np.array([[moments[1], -moments[0]], [moments[2], -moments[1]]])
+    if abs(np.linalg.det(system)) <= 1e-12 * np.abs(moments).max() ** 2:
+        return []
+    total, product = np.linalg.solve(system, moments[2:])
+    both = _within(np.roots([1.0, -total, product]) + middle, end, _VANISHING)
+    return [(3, x) for x in sorted(both)] if len(both) == 2 else []
 
-    Its lower derivatives vanish there; a step of velocity outweighs the next derivative instead.
-    """
-    derivatives = [np.polynomial.Polynomial(difference)]
-    for _ in range(order + 1):
-        derivatives.append(derivatives[-1].deriv())
-    small = derivatives[: order - 1] if order > 1 else derivatives[2:]
-    roots = derivatives[order - 1].roots()
-    near = roots.real[(np.abs(roots.imag) < _OUTSIDE) & (np.abs(roots.real - 0.5) <= 0.5 + _OUTSIDE)]
-    return [x for x in near.tolist() if all(abs(one(x)) <= _VANISHING * abs(derivatives[order](x)) for one in small)]
+
+def _within(roots: ArrayLike, end: float, margin: float) -> list[float]:
+    """The real ones of some roots that are in [0, end], but for a margin."""
+    found = np.asarray(roots, dtype=complex)
+    return [float(x) for x in found.real[np.abs(found.imag) <= margin] if -margin <= x <= end + margin]
 
 
 def _united(t: Array, found: Sequence[list[Break]]) -> tuple[tuple[Break, ...], ...]:

@@ -347,7 +347,7 @@ def _fitted(
     stride = -(-len(t) // _MOST_INTERVALS)
     if stride > 1 and noise.any():
         return _nearest(t, q, np.append(t[:-1:stride], t[-1]), ends), 0.0
-    return through(t, q, noise, ends.slopes, find_breaks(t, q, noise), stride), 0.0
+    return through(t, q, noise, ends.slopes, find_breaks(t, q, noise, ends.slopes[:, 0] == 0), stride), 0.0
 
 
 def _smoothed(t: Array, q: Array, ends: Ends) -> tuple[Spread, float]:

@@ -75,6 +75,7 @@ _HOMES: Final = {
     "lspb": "profiles",
     "maximum_payload": "limits",
     "minimum_duration": "limits",
+    "motion_limits": "limits",
     "optimise_via_times": "optimisation",
     "own_drivetrains": "robot",
     "paper": "paper",
@@ -82,6 +83,7 @@ _HOMES: Final = {
     "paths": "paths",
     "payload_diagram": "limits",
     "payload_duration_map": "limits",
+    "payload_over_duration": "limits",
     "payload_polygon": "limits",
     "payload_sweep": "limits",
     "plots": "plots",
@@ -157,8 +159,10 @@ if TYPE_CHECKING:
     from puma_septic.limits import duration_sweep as duration_sweep
     from puma_septic.limits import maximum_payload as maximum_payload
     from puma_septic.limits import minimum_duration as minimum_duration
+    from puma_septic.limits import motion_limits as motion_limits
     from puma_septic.limits import payload_diagram as payload_diagram
     from puma_septic.limits import payload_duration_map as payload_duration_map
+    from puma_septic.limits import payload_over_duration as payload_over_duration
     from puma_septic.limits import payload_polygon as payload_polygon
     from puma_septic.limits import payload_sweep as payload_sweep
     from puma_septic.limits import within_limits as within_limits

@@ -11,6 +11,7 @@ from puma_septic.limits._duration import (
     minimum_duration,
 )
 from puma_septic.limits._feasible import Certificate
+from puma_septic.limits._motion_limits import MotionLimits, motion_limits, payload_over_duration
 from puma_septic.limits._payload import Load, MaximumPayload, maximum_payload
 from puma_septic.limits._stretching import stretched
 from puma_septic.limits._sweeps import LoadedTorque, Sweep, duration_sweep, payload_duration_map, payload_sweep
@@ -25,6 +26,7 @@ __all__ = [
     "LoadedTorque",
     "MaximumPayload",
     "MinimumDuration",
+    "MotionLimits",
     "PayloadPolygon",
     "Sweep",
     "assessed_at",
@@ -32,8 +34,10 @@ __all__ = [
     "feasible_rates",
     "maximum_payload",
     "minimum_duration",
+    "motion_limits",
     "payload_diagram",
     "payload_duration_map",
+    "payload_over_duration",
     "payload_polygon",
     "payload_sweep",
     "stretched",

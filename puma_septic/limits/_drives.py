@@ -115,9 +115,11 @@ def drive_demands(motion: Motion, torque: RateTorque) -> list[Demand | CurveDema
     return [demand for demand in demands if demand is not None]
 
 
-def load_demands(robot: Robot, trajectory: Trajectory, bare: Piecewise, added: Piecewise) -> list[Demand | CurveDemand]:
+def load_demands(
+    robot: Robot, trajectory: Trajectory, bare: Piecewise, added: Piecewise, rate: float
+) -> list[Demand | CurveDemand]:
     """What the motors are asked for, as functions of the mass: of the torque without it, and what each kg adds."""
-    v = trajectory.derivative(1)
+    v = trajectory.derivative(1) * rate
     demands: list[Demand | CurveDemand | None] = []
     for row in _LINEAR:
         of_torque, of_speed, limit = row.of(robot)
@@ -125,7 +127,7 @@ def load_demands(robot: Robot, trajectory: Trajectory, bare: Piecewise, added: P
     power = _power_limits(robot)
     if not np.isnan(power).all():
         demands.append(Demand.of("motor power", (bare * v, added * v), power))
-    demands += [CurveDemand.of(trajectory, j, train, (bare, added), 0) for j, train in _curved(robot).items()]
+    demands += [CurveDemand.of(trajectory, j, train, (bare, added), 0, rate) for j, train in _curved(robot).items()]
     return [demand for demand in demands if demand is not None]
 
 
@@ -191,16 +193,23 @@ class CurveDemand:
     curve: Array
     parts: tuple[Piecewise, ...]
     speed_power: int
+    rate: float
     demand: Demand
 
     @classmethod
     def of(
-        cls, trajectory: Trajectory, joint: int, train: Drivetrain, parts: Sequence[Piecewise], speed_power: int
+        cls,
+        trajectory: Trajectory,
+        joint: int,
+        train: Drivetrain,
+        parts: Sequence[Piecewise],
+        speed_power: int,
+        rate: float = 1.0,
     ) -> CurveDemand:
         """From the parts of the joint torques by power of x, and the power with which speeds go."""
         own = tuple(part[joint] for part in parts)
         motor = [part * (1 / train.ratio) for part in own]
-        speed = trajectory.derivative(1)[joint] * train.ratio
+        speed = trajectory.derivative(1)[joint] * (train.ratio * rate)
         demand = Demand.of("motor torque at speed", [*motor, speed], np.ones(1))
         assert demand is not None
         return cls(
@@ -210,6 +219,7 @@ class CurveDemand:
             curve=train.motor.peak_curve,
             parts=own,
             speed_power=speed_power,
+            rate=rate,
             demand=demand,
         )
 
@@ -257,7 +267,7 @@ class CurveDemand:
         if not speed:
             peak = torque.extrema()
             return float(peak.peak[0]) / self.ratio / float(self.curve[0, 1]), float(peak.t_peak[0])
-        velocity = self.trajectory.derivative(1)[self.joint] * speed
+        velocity = self.trajectory.derivative(1)[self.joint] * (speed * self.rate)
         motor = _motor(torque, velocity, self.trajectory.direction[self.joint], self.ratio)
         ratio, _, _, time = torque_at_speed(motor, self.curve)
         return ratio, time

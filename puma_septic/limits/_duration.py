@@ -21,7 +21,16 @@ from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, read_only
 from puma_septic.views import limits as view
 
-__all__ = ["AT_REST", "Answer", "FeasibleRates", "MinimumDuration", "assessed_at", "feasible_rates", "minimum_duration"]
+__all__ = [
+    "AT_REST",
+    "Answer",
+    "FeasibleRates",
+    "MinimumDuration",
+    "assessed_at",
+    "feasible_rates",
+    "kinematic_rate",
+    "minimum_duration",
+]
 
 AT_REST: Final = float(np.finfo(np.float32).eps)
 """A velocity at an end that counts for rest, rad/s (m/s): the epsilon of a float, as joint_trajectory_controller has it
@@ -256,7 +265,7 @@ def feasible_rates(motion: Motion, first: Assessment, highest: float = np.inf) -
     """
     _refuse_hopeless(first)
     torque = rate_torque(motion)
-    highest = min(highest, _kinematic_rate(first), highest_motor_rate(motion.robot, first.peak_velocity))
+    highest = min(highest, kinematic_rate(first), highest_motor_rate(motion.robot, first.peak_velocity))
     constraints: tuple[Constraint, ...] = (*_torque_demands(motion, torque), *drive_demands(motion, torque))
     feasible = feasible_values(constraints, highest)
     if len(feasible.intervals) and np.isinf(feasible.intervals[-1, 1]):
@@ -280,7 +289,7 @@ def _torque_demands(motion: Motion, torque: RateTorque) -> list[Demand]:
     return [demand for demand in demands if demand is not None]
 
 
-def _kinematic_rate(assessment: Assessment) -> float:
+def kinematic_rate(assessment: Assessment) -> float:
     """The largest u that velocity, acceleration and jerk limits allow."""
     limits, u = assessment.motion.robot.limits, np.inf
     for order, quantity in enumerate(("velocity", "acceleration", "jerk"), start=1):

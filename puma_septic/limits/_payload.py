@@ -225,13 +225,13 @@ def mass_demands(motion: Motion, load: Load) -> list[Demand | CurveDemand]:
     """What an unloaded motion demands as a function of the mass that it will carry."""
     robot = motion.robot
     torque, added = rate_torque(motion), load_torque(robot, motion.trajectory, load.per_kg)
-    return mass_demands_at(robot, motion.trajectory, (torque.at(1.0), torque.coulomb, added.at(1.0)))
+    return mass_demands_at(robot, motion.trajectory, (torque.at(1.0), torque.coulomb, added.at(1.0)), 1.0)
 
 
 def mass_demands_at(
-    robot: Robot, trajectory: Trajectory, parts: tuple[Piecewise, Piecewise, Piecewise]
+    robot: Robot, trajectory: Trajectory, parts: tuple[Piecewise, Piecewise, Piecewise], rate: float
 ) -> list[Demand | CurveDemand]:
-    """The same of the torque without load, its Coulomb part, and what each kg adds."""
+    """The same at some rate, from the torque without load, its Coulomb part, and what each kg adds."""
     bare, coulomb, added = parts
     known = robot.knows_torque
     demands: list[Demand | CurveDemand | None] = [
@@ -242,9 +242,9 @@ def mass_demands_at(
         row = QUANTITIES[name]
         if row.signal == "torque" and row.order:
             for _ in range(row.order):
-                smooth, added = smooth.derivative(), added.derivative()
+                smooth, added = smooth.derivative() * rate, added.derivative() * rate
             demands.append(Demand.of(name, (smooth, added), np.where(known, getattr(robot.limits, name), np.nan)))
-    demands += load_demands(robot, trajectory, bare, parts[2])
+    demands += load_demands(robot, trajectory, bare, parts[2], rate)
     return [demand for demand in demands if demand is not None]
 
 

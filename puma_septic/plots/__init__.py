@@ -4,7 +4,7 @@ Each draws a picture that `puma_septic.pictures` describes, or several on axes o
 Ito's, told apart by colour-blind readers, one a profile. Every axis has its unit; steps stay steps.
 """
 
-from puma_septic.plots._comparison import plot_comparison, plot_pareto_front
+from puma_septic.plots._comparison import plot_comparison, plot_pareto_front, plot_payload
 from puma_septic.plots._drawing import draw
 from puma_septic.plots._motion import (
     plot_joints,
@@ -31,6 +31,7 @@ __all__ = [
     "plot_comparison",
     "plot_joints",
     "plot_pareto_front",
+    "plot_payload",
     "plot_ratio_sweep",
     "plot_sizing_torque_split",
     "plot_sizing_utilisation",

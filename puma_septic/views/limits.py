@@ -1,17 +1,74 @@
-"""How fast and how heavy, as text."""
+"""How fast and how heavy, as text and CSV."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from puma_septic.document import numeric
+from puma_septic.document import csv_text, numeric
 from puma_septic.limit_check import LimitCheck
-from puma_septic.views.tables import number
+from puma_septic.views.tables import Cell, number, text_table
 
-__all__ = ["duration_text", "intervals_text", "payload_text"]
+__all__ = ["csv", "duration_text", "intervals_text", "payload_text", "text"]
 
 Document = Mapping[str, Any]
+
+
+def text(document: Document) -> str:
+    """How fast, how heavy and what stops it: a row for each profile, and its reasons below."""
+    headers = ["profile", "as given [s]", "least duration [s]", "what stops it", "payload [kg]", "what stops it"]
+    rows = [_row(one) for one in document["profiles"]]
+    lines = [f"{document['task']}: how fast, how heavy", "", text_table(headers, rows), ""]
+    for one in document["profiles"]:
+        lines += [f"{one['label']}: {note}" for note in _notes(one)]
+    unknown = dict.fromkeys(line for one in document["profiles"] for line in _not_assessed(one))
+    return "\n".join([*lines, *(f"not assessed: {line}" for line in unknown)]).rstrip()
+
+
+def _row(one: Document) -> list[Cell]:
+    fast, heavy = one["fastest"], one["heaviest"]
+    return [
+        one["label"],
+        number(one["duration"]),
+        "none" if fast is None or fast["reason"] else number(fast["duration"], 5),
+        "" if fast is None or fast["reason"] else _stopper(fast["governing"]),
+        "none" if heavy is None else number(heavy["mass"], 5),
+        "" if heavy is None else _stopper(heavy["governing"]),
+    ]
+
+
+def _stopper(check: Document) -> str:
+    one = LimitCheck.from_dict(check)
+    return f"{one.joint} {one.label} at {one.time:.4g} s"
+
+
+def _notes(one: Document) -> list[str]:
+    """What the table has no room for."""
+    notes = [reason for reason in (one["why_not_fastest"], one["why_not_heaviest"]) if reason]
+    fast, heavy = one["fastest"], one["heaviest"]
+    if fast is not None and (fast["reason"] or len(fast["feasible"]) > 1):
+        notes.append(f"feasible durations: {intervals_text(fast['feasible'], 's')}")
+        notes += [fast["reason"]] if fast["reason"] else []
+    if heavy is not None and heavy["feasible"][0][0]:
+        notes.append(f"feasible payloads: {intervals_text(heavy['feasible'], 'kg')}")
+    certificates = {answer["certificate"] for answer in (fast, heavy) if answer is not None} - {"proved"}
+    return [*notes, *(f"{certificate}, not proved" for certificate in sorted(certificates))]
+
+
+def _not_assessed(one: Document) -> list[str]:
+    return [
+        line for answer in (one["fastest"], one["heaviest"]) if answer is not None for line in answer["not_assessed"]
+    ]
+
+
+def csv(document: Document) -> str:
+    """Least and largest mass over the duration, a row for each profile and duration."""
+    rows = [
+        [one["label"], duration, *masses]
+        for one in document["profiles"]
+        for duration, masses in zip(one["durations"], one["masses"], strict=True)
+    ]
+    return csv_text([["profile", "duration [s]", "least payload [kg]", "largest payload [kg]"], *rows])
 
 
 def duration_text(document: Document) -> str:

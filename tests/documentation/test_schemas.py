@@ -27,6 +27,8 @@ MAKERS: dict[str, Callable[[], dict[str, Any]]] = {
     "assessment": lambda: ps.assess(paper_motion()).to_dict(),
     "comparison": lambda: ps.compare(ps.load_robot(), POINTS, TIMES, profiles=["septic", "linear"]).to_dict(),
     "least-time": lambda: ps.least_time(ps.septic, POINTS, TIMES, max_velocity=2.0, restarts=0).to_dict(),
+    "maximum-payload": lambda: ps.maximum_payload(_quick_motion()).to_dict(),
+    "minimum-duration": lambda: ps.minimum_duration(_quick_motion()).to_dict(),
     "optimisation": lambda: ps.optimise_via_times(ps.septic, POINTS, TIMES, restarts=0).to_dict(),
     "paper": lambda: reproduce(runs=1).to_dict(),
     "pareto-front": lambda: ps.pareto_front(
@@ -35,6 +37,7 @@ MAKERS: dict[str, Callable[[], dict[str, Any]]] = {
     "robot": lambda: ps.load_robot().with_payload(ps.Payload(mass=2.0)).to_dict(),
     "selection": lambda: ps.size(_cycle(), catalogue=_few_parts()).to_dict(),
     "sizing": lambda: ps.size(_cycle()).to_dict(),
+    "sweep": lambda: ps.payload_duration_map(_quick_motion(), [0.5, 1.0], [0.0, 2.0, 4.0]).to_dict(),
 }
 COMMANDS = {
     "assess": ["assess", "paper-turned", "--profile", "septic"],
@@ -42,6 +45,7 @@ COMMANDS = {
     "check": ["check", "--robot", "puma560", "plan.yaml", "--allow", "limit_unknown"],
     "doctor": ["doctor", "puma560"],
     "ik": ["ik", "paper"],
+    "limits": ["limits", "paper-turned", "--profile", "septic"],
     "profiles": ["profiles", "--normalised"],
 }
 
@@ -52,6 +56,10 @@ def _corner() -> dict[str, tuple[float, float]]:
 
 def _cycle() -> ps.Cycle:
     return ps.cycle.with_return(paper_motion(), dwell=0.5)
+
+
+def _quick_motion() -> ps.Motion:
+    return ps.compute_motion(ps.load_robot(), ps.quintic_segments([[0.0] * 6, [0.5] * 6], [0.0, 1.0]))
 
 
 def _few_parts() -> Catalogue:

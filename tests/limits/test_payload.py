@@ -163,3 +163,14 @@ def test_a_diagram_over_motions_is_the_least_of_their_payloads(puma: ps.Robot) -
     assert masses == pytest.approx(np.min(each, axis=1), rel=1e-12)
     slow = ps.payload_diagram(ps.compute_motion(puma, stretched(move(), 1e4)), [0.1])
     assert slow[0] > masses[0] > masses[1]
+
+
+def test_payload_over_duration_is_the_payload_at_each(puma: ps.Robot) -> None:
+    motion = ps.compute_motion(puma.with_limits(torque_rate=np.full(6, 500.0)), move())
+    durations = [0.3, 0.8, 1.0, 3.0]
+    masses = ps.payload_over_duration(motion, durations, com=COM)
+    assert np.isnan(masses[0]).all()  # too fast for joint2, whatever is carried
+    for duration, (least, most) in zip(durations[1:], masses[1:], strict=True):
+        alone = ps.maximum_payload(ps.compute_motion(motion.robot, stretched(move(), duration)), com=COM)
+        assert least == alone.feasible[0, 0]
+        assert most == pytest.approx(alone.mass, rel=1e-9)

@@ -1,0 +1,50 @@
+"""``puma-septic limits``."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from puma_septic.cli import main
+
+ARGUMENTS = ["limits", "paper-turned", "--profile", "septic"]
+
+
+def test_the_answer_is_one_row_for_each_profile(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*ARGUMENTS, "--profile", "quintic_segments"]) == 0
+    text = capsys.readouterr().out
+    assert text.startswith("paper-turned: how fast, how heavy\n")
+    assert "septic                     9.000                7.7796  joint2 velocity at 1.788 s" in text
+    assert "not assessed: jerk limit: unknown for all joints" in text
+
+
+def test_json_csv_and_files_hold_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "out"
+    assert main([*ARGUMENTS, "--com", "0,0,0.1", "--format", "json", "--out", str(folder)]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert json.loads((folder / "limits.json").read_text()) == document
+    one = document["profiles"][0]
+    assert one["com"] == [0.0, 0.0, 0.1]
+    assert one["fastest"]["certificate"] == one["heaviest"]["certificate"] == "proved"
+    rows = (folder / "limits.csv").read_text().splitlines()
+    assert rows[0] == "profile,duration [s],least payload [kg],largest payload [kg]"
+    assert len(rows) == 1 + len(one["durations"])
+    assert "<svg" in (folder / "payload.svg").read_text()
+    assert main([*ARGUMENTS, "--format", "csv", "--com", "0,0,0.1"]) == 0
+    assert capsys.readouterr().out.splitlines() == rows
+
+
+def test_a_task_that_no_duration_mends_says_why(capsys: pytest.CaptureFixture[str]) -> None:
+    """The paper's own points leave the range of a joint: that is not a matter of time."""
+    assert main(["limits", "paper", "--profile", "septic"]) == 1
+    text = capsys.readouterr().out
+    assert "septic: no stretch of time helps: joint" in text
+    assert "is violated at any speed" in text
+    assert "septic: no payload keeps the limits: joint" in text
+
+
+def test_a_place_of_two_numbers_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*ARGUMENTS, "--com", "0,0"]) == 2
+    assert "'0,0' is not X,Y,Z" in capsys.readouterr().err

@@ -18,10 +18,12 @@ _HOMES: Final = {
     "Assessment": "assessment",
     "Catalogue": "drives",
     "Comparison": "comparison",
+    "Controller": "simulation",
     "Cycle": "cycle",
     "Drive": "drives",
     "Drivetrain": "drives",
     "Dwell": "cycle",
+    "ElasticJoints": "simulation",
     "Friction": "friction",
     "Gearbox": "drives",
     "InputError": "errors",
@@ -41,6 +43,7 @@ _HOMES: Final = {
     "ResolvedTask": "task",
     "Robot": "robot",
     "Selection": "sizing",
+    "Simulation": "simulation",
     "Sizing": "sizing",
     "Sweep": "limits",
     "Task": "task",
@@ -60,6 +63,7 @@ _HOMES: Final = {
     "duration_sweep": "limits",
     "fit_residual": "logs",
     "fit_trajectory": "logs",
+    "forward_dynamics": "dynamics",
     "forward_kinematics": "kinematics",
     "inverse_dynamics": "dynamics",
     "inverse_kinematics": "kinematics",
@@ -99,6 +103,8 @@ _HOMES: Final = {
     "residual_vibration": "vibration",
     "resolve_task": "task",
     "septic": "profiles",
+    "simulate": "simulation",
+    "simulation": "simulation",
     "size": "sizing",
     "sizing": "sizing",
     "tool_motion": "kinematics",
@@ -121,6 +127,7 @@ if TYPE_CHECKING:
     from puma_septic import paths as paths
     from puma_septic import plots as plots
     from puma_septic import profiles as profiles
+    from puma_septic import simulation as simulation
     from puma_septic import sizing as sizing
     from puma_septic import vibration as vibration
     from puma_septic.assessment import Assessment as Assessment
@@ -136,6 +143,7 @@ if TYPE_CHECKING:
     from puma_septic.drives import Motor as Motor
     from puma_septic.drives import built_in_catalogue as built_in_catalogue
     from puma_septic.drives import load_catalogue as load_catalogue
+    from puma_septic.dynamics import forward_dynamics as forward_dynamics
     from puma_septic.dynamics import inverse_dynamics as inverse_dynamics
     from puma_septic.dynamics import torque_terms as torque_terms
     from puma_septic.errors import InputError as InputError
@@ -194,6 +202,10 @@ if TYPE_CHECKING:
     from puma_septic.ros import read_joint_trajectories as read_joint_trajectories
     from puma_septic.ros import read_joint_trajectory as read_joint_trajectory
     from puma_septic.ros import write_joint_trajectory as write_joint_trajectory
+    from puma_septic.simulation import Controller as Controller
+    from puma_septic.simulation import ElasticJoints as ElasticJoints
+    from puma_septic.simulation import Simulation as Simulation
+    from puma_septic.simulation import simulate as simulate
     from puma_septic.sizing import Selection as Selection
     from puma_septic.sizing import Sizing as Sizing
     from puma_septic.sizing import size as size

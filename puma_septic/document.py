@@ -32,6 +32,7 @@ SCHEMAS: Final = MappingProxyType(
         "profiles": "puma-septic/profiles/1",
         "robot": "puma-septic/robot/1",
         "selection": "puma-septic/selection/1",
+        "simulation": "puma-septic/simulation/1",
         "sizing": "puma-septic/sizing/1",
         "sweep": "puma-septic/sweep/1",
     }

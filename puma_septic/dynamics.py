@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import functools
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Generic, TypeVar, final
@@ -28,9 +28,12 @@ __all__ = [
     "check_inertia",
     "check_plain_friction",
     "check_uncoupled",
+    "forward_dynamics",
     "inverse_dynamics",
     "mass_matrix",
     "payload_torque",
+    "potential_energy",
+    "rigid_acceleration",
     "rigid_terms",
     "rigid_torque",
     "smooth_torque",
@@ -188,6 +191,66 @@ def payload_torque(robot: Robot, parameters: Array) -> Callable[[Array, Array, A
     return functools.partial(_rnea, robot, model)
 
 
+def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike, *, friction: bool = True) -> Array:
+    """Acceleration of the arm under joint torques: the inverse of `inverse_dynamics`.
+
+    ``M(q) a = tau - C(q, v) v - g(q) - J^T w - friction``, by the articulated-body algorithm, with the rotors' inertia
+    in M; where joints mimic others, by the composite-rigid-body algorithm and a linear solver.
+
+    Parameters
+    ----------
+    q, v, tau : array_like, shape (n_joints,) or (n, n_joints)
+        rad, rad/s, N m (m, m/s, N for prismatic joints).
+    friction : bool
+        False leaves out all friction.
+
+    Returns
+    -------
+    ndarray, shape of `q`
+        rad/s^2 (m/s^2).
+
+    Raises
+    ------
+    InputError
+        For misshapen or non-finite arrays, or gears that lose a part of their load: what they lose depends on the
+        acceleration.
+    ModelError
+        If the robot description has no inertia for a moving part.
+
+    Examples
+    --------
+    >>> import puma_septic as ps
+    >>> robot = ps.load_robot()
+    >>> tau = ps.inverse_dynamics(robot, [0.1] * 6, [0.2] * 6, [0.3] * 6)
+    >>> ps.forward_dynamics(robot, [0.1] * 6, [0.2] * 6, tau).round(9).tolist()
+    [0.3, 0.3, 0.3, 0.3, 0.3, 0.3]
+    """
+    check_inertia(robot)
+    is_single, (q, v, tau) = _samples(robot, q, v, tau, names=("q", "v", "tau"))
+    if friction:
+        if robot.has_losses:
+            raise InputError(
+                f"forward dynamics knows no gears that lose a part of their load, as robot {robot.name!r} has; leave"
+                " the friction out: friction=False"
+            )
+        tau = tau - sum(friction_terms(robot.friction, v, np.sign(v)).values())
+    a = rigid_acceleration(robot, q, v, tau)
+    return a[0] if is_single else a
+
+
+def rigid_acceleration(robot: Robot, q: Array, v: Array, tau: Array) -> Array:
+    """The same without friction, for checked arrays of shape (n, n_joints)."""
+    if robot.mimics:
+        bias = rigid_torque(robot, q, v, np.zeros_like(q))
+        return np.asarray(np.linalg.solve(mass_matrix(robot, q), (tau - bias)[..., None])[..., 0])
+    if robot.wrench is not None:
+        tau = tau - _wrench_torque(robot, q)
+    a = np.empty((len(q), robot.model.nv))
+    arrays = (robot.configurations(q), robot.tangents(v), robot.tangents(tau), a)
+    pin.abaInParallel(_THREADS, _pool(robot.model), *(array.T for array in arrays))
+    return robot.from_tangents(a)
+
+
 def mass_matrix(robot: Robot, q: Array) -> Array:
     """Joint-space inertia ``M(q)``, rotors and payload included, shape (n, n_joints, n_joints), for a checked q.
 
@@ -198,6 +261,12 @@ def mass_matrix(robot: Robot, q: Array) -> Array:
     kept = None if robot.mimics else model.createData()
     full = [pin.crba(model, kept or model.createData(), row).copy() for row in robot.configurations(q)]
     return np.array([robot.from_tangents(robot.from_tangents(matrix).T) for matrix in full])
+
+
+def potential_energy(robot: Robot, q: Array) -> Array:
+    """Of gravity on links and payload, J, shape (n,), for a checked q."""
+    data = robot.model.createData()
+    return np.array([pin.computePotentialEnergy(robot.model, data, row) for row in robot.configurations(q)])
 
 
 def check_inertia(robot: Robot) -> None:
@@ -234,12 +303,12 @@ def check_plain_friction(robot: Robot, what: str) -> None:
         )
 
 
-def _samples(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> tuple[bool, list[Array]]:
-    arrays = [checked_joint_values(robot, name, value) for name, value in (("q", q), ("v", v), ("a", a))]
-    shapes = {np.shape(value) for value in (q, v, a)}
-    if len(shapes) != 1:
-        from_shapes = ", ".join(str(np.shape(value)) for value in (q, v, a))
-        raise InputError(f"q, v and a must have one shape, got {from_shapes}")
+def _samples(robot: Robot, *values: ArrayLike, names: Sequence[str] = ("q", "v", "a")) -> tuple[bool, list[Array]]:
+    arrays = [checked_joint_values(robot, name, value) for name, value in zip(names, values, strict=True)]
+    q = values[0]
+    if len({np.shape(value) for value in values}) != 1:
+        from_shapes = ", ".join(str(np.shape(value)) for value in values)
+        raise InputError(f"{', '.join(names[:-1])} and {names[-1]} must have one shape, got {from_shapes}")
     return np.ndim(q) == 1, arrays
 
 

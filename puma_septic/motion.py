@@ -19,7 +19,7 @@ from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_choice
 
-__all__ = ["Motion", "Rest", "compute_motion"]
+__all__ = ["Motion", "Rest", "check_joints", "compute_motion"]
 
 # A hundredth of what the torque is fitted to: between reversals it needs fewer coefficients than over all of them.
 _NEGLIGIBLE = 1e-13
@@ -183,7 +183,7 @@ def compute_motion(robot: Robot, trajectory: Trajectory) -> Motion:
     >>> motion.torque(1.0).shape
     (6,)
     """
-    _check_joints(robot, trajectory)
+    check_joints(robot, trajectory)
     n = robot.n_joints
     n_evaluations = 0
 
@@ -217,7 +217,8 @@ def _dry_friction(robot: Robot, trajectory: Trajectory, smooth: Piecewise) -> Pi
     return dry + loss_along(robot.transmission, load, trajectory.direction)
 
 
-def _check_joints(robot: Robot, trajectory: Trajectory) -> None:
+def check_joints(robot: Robot, trajectory: Trajectory) -> None:
+    """Raise an InputError unless the trajectory is one of this robot's joints."""
     if not (isinstance(robot, Robot) and isinstance(trajectory, Trajectory)):
         raise InputError(
             f"a robot and a trajectory are needed, got {type(robot).__name__} and {type(trajectory).__name__}"

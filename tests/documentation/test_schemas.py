@@ -36,6 +36,7 @@ MAKERS: dict[str, Callable[[], dict[str, Any]]] = {
     ).to_dict(),
     "robot": lambda: ps.load_robot().with_payload(ps.Payload(mass=2.0)).to_dict(),
     "selection": lambda: ps.size(_cycle(), catalogue=_few_parts()).to_dict(),
+    "simulation": lambda: ps.simulate(ps.load_robot(), small_move(ps.load_robot()), settle=0.0).to_dict(),
     "sizing": lambda: ps.size(_cycle()).to_dict(),
     "sweep": lambda: ps.payload_duration_map(_quick_motion(), [0.5, 1.0], [0.0, 2.0, 4.0]).to_dict(),
 }

@@ -105,6 +105,7 @@ _HOMES: Final = {
     "septic": "profiles",
     "simulate": "simulation",
     "simulation": "simulation",
+    "stop": "simulation",
     "size": "sizing",
     "sizing": "sizing",
     "tool_motion": "kinematics",
@@ -206,6 +207,7 @@ if TYPE_CHECKING:
     from puma_septic.simulation import ElasticJoints as ElasticJoints
     from puma_septic.simulation import Simulation as Simulation
     from puma_septic.simulation import simulate as simulate
+    from puma_septic.simulation import stop as stop
     from puma_septic.sizing import Selection as Selection
     from puma_septic.sizing import Sizing as Sizing
     from puma_septic.sizing import size as size

@@ -34,6 +34,7 @@ SCHEMAS: Final = MappingProxyType(
         "selection": "puma-septic/selection/1",
         "simulation": "puma-septic/simulation/1",
         "sizing": "puma-septic/sizing/1",
+        "stops": "puma-septic/stops/1",
         "sweep": "puma-septic/sweep/1",
     }
 )

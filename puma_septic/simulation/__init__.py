@@ -6,11 +6,16 @@ from puma_septic.simulation._integration import Divergence
 from puma_septic.simulation._metrics import METRICS, SETTLED, Metrics
 from puma_septic.simulation._simulate import LARGEST_STEP, REST_SPEED, simulate, simulate_all
 from puma_septic.simulation._simulation import EnergyBalance, Simulation
+from puma_septic.simulation._stop import CATEGORIES, NOT_A_SAFETY_FUNCTION, Stop, WorstStop, stop, worst_stop
+from puma_septic.simulation._stop_table import FRACTIONS, StopRow, StopTable, stop_table
 
 __all__ = [
+    "CATEGORIES",
+    "FRACTIONS",
     "LARGEST_STEP",
     "LAWS",
     "METRICS",
+    "NOT_A_SAFETY_FUNCTION",
     "REST_SPEED",
     "SETTLED",
     "Controller",
@@ -20,6 +25,13 @@ __all__ = [
     "Gains",
     "Metrics",
     "Simulation",
+    "Stop",
+    "StopRow",
+    "StopTable",
+    "WorstStop",
     "simulate",
     "simulate_all",
+    "stop",
+    "stop_table",
+    "worst_stop",
 ]

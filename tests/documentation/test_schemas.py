@@ -38,6 +38,7 @@ MAKERS: dict[str, Callable[[], dict[str, Any]]] = {
     "selection": lambda: ps.size(_cycle(), catalogue=_few_parts()).to_dict(),
     "simulation": lambda: ps.simulate(ps.load_robot(), small_move(ps.load_robot()), settle=0.0).to_dict(),
     "sizing": lambda: ps.size(_cycle()).to_dict(),
+    "stops": lambda: ps.simulation.stop_table(ps.load_robot(), load=2.5, fractions=(1.0,)).to_dict(),
     "sweep": lambda: ps.payload_duration_map(_quick_motion(), [0.5, 1.0], [0.0, 2.0, 4.0]).to_dict(),
 }
 COMMANDS = {

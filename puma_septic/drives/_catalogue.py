@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import final
 
@@ -52,7 +52,11 @@ class Catalogue:
     drives : sequence of Drive, optional
         What feeds each motor where the joint has no drive of its own: its nominal voltage, as a rule.
     unused : sequence of str
-        Columns that hold numbers which no check uses, for the remarks.
+        Columns that no check uses, for the remarks.
+    refused : sequence of str
+        Rows of its files that could not be read, and why.
+    other : mapping of str to mapping of str to str
+        By part, what its file says in columns that are not known.
 
     Raises
     ------
@@ -71,11 +75,13 @@ class Catalogue:
     pairs: tuple[Pair, ...] | None = None
     drives: tuple[Drive, ...] = ()
     unused: tuple[str, ...] = ()
+    refused: tuple[str, ...] = ()
+    other: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     motor_index: NDArray[np.int64] = field(init=False, repr=False)
     gearbox_index: NDArray[np.int64] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        for name in ("motors", "gearboxes", "drives", "unused"):
+        for name in ("motors", "gearboxes", "drives", "unused", "refused"):
             object.__setattr__(self, name, tuple(getattr(self, name)))
         places = {"motor": _places("motor", self.motors), "gearbox": _places("gearbox", self.gearboxes)}
         if self.drives and len(self.drives) != len(self.motors):

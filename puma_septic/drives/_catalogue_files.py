@@ -2,29 +2,26 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Callable, Iterator, Mapping
+import fnmatch
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from puma_septic.drives._catalogue import Catalogue, Pair
-from puma_septic.drives._columns import GEARBOX, GEARBOX_FIELDS, MOTOR, MOTOR_FIELDS, PAIR, Column, parsed_header
+from puma_septic.drives._columns import GEARBOX, GEARBOX_FIELDS, MOTOR, MOTOR_FIELDS, PAIR, Column
 from puma_septic.drives._parts import Drive, Gearbox, Motor
+from puma_septic.drives._table_file import Row, raw_rows, read_table
 from puma_septic.errors import InputError
-from puma_septic.files import decoded, read_bytes
 from puma_septic.friction import Friction
 from puma_septic.validation import checked_choice
 
 __all__ = ["BUILT_IN", "built_in_catalogue", "load_catalogue"]
 
 BUILT_IN: Final = ("example", "puma560")
-_MAX_BYTES: Final = 20_000_000
-_UNKNOWN: Final = ("", "nan", "inf")  # how the MGDB and spreadsheets leave a cell open
 # Numbers that no check uses yet.
-_UNUSED: Final = ("L", "omega_nl", "I_nl", "max_cont_power", "pole_pairs", "stages", "stiffness")
+_UNUSED: Final = ("L", "omega_nl", "max_cont_power", "pole_pairs", "stages", "stiffness")
 _FRICTION_FIELDS: Final = {
     "coulomb_positive": "coulomb", "coulomb_negative": "coulomb", "viscous_friction": "viscous",
     "stribeck_velocity": "stribeck_velocity", "load_share": "load_share", "static_positive": "static",
@@ -32,27 +29,23 @@ _FRICTION_FIELDS: Final = {
 }  # fmt: skip
 
 
-class _Row(NamedTuple):
-    """A row's texts and known values in SI units by column, and where it stands."""
-
-    texts: dict[str, str]
-    values: dict[str, Any]
-    where: str
-
-
 def load_catalogue(motors: str | Path, gearboxes: str | Path, pairs: str | Path | None = None) -> Catalogue:
     """Read a catalogue from CSV files.
 
-    A header is a column's name, with its unit in brackets where that is not SI: ``inertia[kg cm^2]``. Lines that begin
-    with # are remarks. An empty cell (or nan, inf) is a value that is not known. Curves are written as
-    ``speed:torque`` pairs with semicolons between them: ``0:0.5; 300:0.4``.
+    A header is a column's name, with its unit in brackets where that is not SI: ``inertia[kg cm^2]``; a cell may have
+    one of its own: ``0.5 kg cm^2``. Any unit that data sheets print is understood. Cells are separated by commas, or by
+    semicolons or tabs, and then numbers may have decimal commas. Lines that begin with # are remarks. An empty cell (or
+    nan, inf, -, N/A) is a value that is not known. Curves are written as ``speed:torque`` pairs with semicolons or
+    bars between them: ``0:0.5; 300:0.4``. A row that cannot be read is left out and listed in `Catalogue.refused`; what
+    stands in an unknown column is kept in `Catalogue.other`, and the column listed in `Catalogue.unused`.
 
     Parameters
     ----------
     motors : str or Path
         Columns key, mass, inertia, max_int_torque and any of the others of the MGDB and these: max_cont_torque (else
         ``k_t I_nom``), S1, peak, max_int_power, tau_w, tau_h, T_max, I_peak (of the motor; ``k_t I_peak`` is the peak
-        torque where none is given), max_inertia_ratio, cost. V is the bus voltage where the joint has no drive.
+        torque where none is given), I_nl (``k_t I_nl`` is the Coulomb friction where none is given),
+        max_inertia_ratio, cost. V is the bus voltage where the joint has no drive.
         Rth1 with tau_w is a winding in one node; with Rth2 and tau_h as well, in two.
     gearboxes : str or Path
         Columns key, ratio, mass, inertia (at the input), efficiency and any of the others of the MGDB and these: T_N,
@@ -61,8 +54,9 @@ def load_catalogue(motors: str | Path, gearboxes: str | Path, pairs: str | Path 
     pairs : str or Path, optional
         Columns motor and gearbox (their keys), and what is measured of both together: viscous_friction,
         coulomb_positive, coulomb_negative and the optional terms of `Friction`, static_positive, static_negative,
-        stribeck_velocity, load_share (at the motor, through the gears), max_effort (at the joint). Without the file
-        every motor fits every gearbox.
+        stribeck_velocity, load_share (at the motor, through the gears), max_effort (at the joint). Or, as the MGDB has
+        it, without a header: a motor and the gearboxes that fit it, in which * stands for any letters. Without the
+        file every motor fits every gearbox.
 
     Returns
     -------
@@ -71,24 +65,20 @@ def load_catalogue(motors: str | Path, gearboxes: str | Path, pairs: str | Path 
     Raises
     ------
     InputError
-        With file, row and column: a missing or unknown column, an unknown unit, a cell that is no number or out of
-        bounds, a key that occurs twice.
+        With file, row and column: a missing column, an unknown unit of a column, or a file of which no row can be read.
     """
-    found = _parts(Path(motors), MOTOR, _motor)
-    cogs = _parts(Path(gearboxes), GEARBOX, _gearbox)
-    fitting = None if pairs is None else _pairs(Path(pairs), found, cogs)
+    found, cogs = _parts(Path(motors), MOTOR, _motor), _parts(Path(gearboxes), GEARBOX, _gearbox)
+    fitting, refused = (None, ()) if pairs is None else _pairs(Path(pairs), found.parts, cogs.parts)
+    both = (("motors", found), ("gearboxes", cogs))
     try:
         return Catalogue(
-            motors=tuple(motor for motor, _ in found.values()),
-            gearboxes=tuple(gearbox for gearbox, _ in cogs.values()),
+            motors=tuple(motor for motor, _ in found.parts.values()),
+            gearboxes=tuple(gearbox for gearbox, _ in cogs.parts.values()),
             pairs=fitting,
-            drives=tuple(Drive(bus_voltage=row.values.get("V", np.nan)) for _, row in found.values()),
-            unused=tuple(
-                f"column {name} of the {kind}"
-                for kind, rows in (("motors", found), ("gearboxes", cogs))
-                for name in _UNUSED
-                if any(name in row.values for _, row in rows.values())
-            ),
+            drives=tuple(Drive(bus_voltage=row.values.get("V", np.nan)) for _, row in found.parts.values()),
+            unused=tuple(f"column {name} of the {kind}" for kind, read in both for name in read.unused),
+            refused=(*found.refused, *cogs.refused, *refused),
+            other={key: row.other for _, read in both for key, (_, row) in read.parts.items() if row.other},
         )
     except InputError as error:
         raise InputError(f"{pairs or motors}: {error}") from error
@@ -120,29 +110,48 @@ def built_in_catalogue(name: str = "example") -> Catalogue:
     )
 
 
-def _parts(path: Path, columns: dict[str, Column], make: Callable[[_Row, str], Any]) -> dict[str, tuple[Any, _Row]]:
-    """Parts by key, with the rows that they come from."""
-    parts: dict[str, tuple[Any, _Row]] = {}
-    for row in _rows(path, columns):
-        key = row.texts["key"]
-        if not key:
-            raise InputError(f"{row.where}, column 'key': the cell is empty")
-        if key in parts:
-            raise InputError(f"{row.where}, column 'key': {key!r} occurs twice, first in {parts[key][1].where}")
-        parts[key] = make(row, _source(row, path)), row
+class _Read(NamedTuple):
+    """Parts by key with the rows that they come from, rows that were refused, and columns that no check uses."""
+
+    parts: dict[str, tuple[Any, Row]]
+    refused: tuple[str, ...]
+    unused: tuple[str, ...]
+
+
+def _parts(path: Path, columns: dict[str, Column], make: Callable[[Row, str], Any]) -> _Read:
+    table = read_table(path, columns)
+    parts: dict[str, tuple[Any, Row]] = {}
+    refused = list(table.refused)
+    for row in table.rows:
+        try:
+            parts[_new_key(row, parts)] = make(row, _source(row, path)), row
+        except InputError as error:
+            refused.append(str(error))
     if not parts:
-        raise InputError(f"{path}: no rows below the header")
-    return parts
+        raise InputError(refused[0] if refused else f"{path}: no rows below the header")
+    idle = [name for name in _UNUSED if any(name in row.values for _, row in parts.values())]
+    return _Read(parts, tuple(refused), (*idle, *table.unknown))
 
 
-def _source(row: _Row, path: Path) -> str:
+def _new_key(row: Row, parts: Mapping[str, tuple[Any, Row]]) -> str:
+    key = row.texts["key"]
+    if not key:
+        raise InputError(f"{row.where}, column 'key': the cell is empty")
+    if key in parts:
+        raise InputError(f"{row.where}, column 'key': {key!r} occurs twice, first in {parts[key][1].where}")
+    return key
+
+
+def _source(row: Row, path: Path) -> str:
     named = " ".join(filter(None, (row.texts.get("manufacturer"), row.texts.get("ID"))))
     return "; ".join(filter(None, (named, row.texts.get("source"), path.name)))
 
 
-def _motor(row: _Row, source: str) -> Motor:
+def _motor(row: Row, source: str) -> Motor:
     values, fields = row.values, _fields(row, MOTOR_FIELDS)
     k_t, current = values.get("k_t", np.nan), values.get("I_nom", np.nan)
+    if "coulomb_friction" not in fields and "I_nl" in values:
+        fields["coulomb_friction"] = k_t * values["I_nl"]
     if "peak_torque" not in fields and not np.isnan(k_t) and "I_peak" in values:
         fields["peak_torque"] = k_t * values["I_peak"]
     if "continuous_curve" in fields and "continuous_torque" in fields:
@@ -161,7 +170,7 @@ def _motor(row: _Row, source: str) -> Motor:
     return motor
 
 
-def _gearbox(row: _Row, source: str) -> Gearbox:
+def _gearbox(row: Row, source: str) -> Gearbox:
     fields = _fields(row, GEARBOX_FIELDS)
     if "ratio" not in fields:
         raise InputError(f"{row.where}, column 'ratio': the cell is empty; the ratio is required")
@@ -173,12 +182,12 @@ def _gearbox(row: _Row, source: str) -> Gearbox:
     return gearbox
 
 
-def _fields(row: _Row, names: Mapping[str, str]) -> dict[str, Any]:
+def _fields(row: Row, names: Mapping[str, str]) -> dict[str, Any]:
     """The known values by field; of two columns for one field the later one in `names` counts."""
     return {field: row.values[column] for column, field in names.items() if column in row.values}
 
 
-def _made(kind: Any, needed: dict[str, Any], fields: dict[str, Any], row: _Row, names: Mapping[str, str]) -> Any:
+def _made(kind: Any, needed: dict[str, Any], fields: dict[str, Any], row: Row, names: Mapping[str, str]) -> Any:
     """The part; where it refuses its values, the first that it refuses alone names the column."""
     try:
         return kind(**{**needed, **fields})
@@ -192,86 +201,58 @@ def _made(kind: Any, needed: dict[str, Any], fields: dict[str, Any], row: _Row, 
         raise InputError(f"{row.where}: {error}") from error
 
 
-def _pairs(path: Path, motors: dict[str, Any], gearboxes: dict[str, Any]) -> tuple[Pair, ...]:
-    pairs = []
-    for row in _rows(path, PAIR):
-        for column, keys in (("motor", motors), ("gearbox", gearboxes)):
-            if row.texts[column] not in keys:
-                raise InputError(f"{row.where}, column {column!r}: no {column} has the key {row.texts[column]!r}")
-        values = row.values
-        friction = None
-        if _FRICTION_FIELDS.keys() & values.keys():
-            given = {field: values.get(column, np.nan) for column, field in _FRICTION_FIELDS.items()}
-            for level in ("coulomb", "static"):
-                given[level] = [values.get(f"{level}_{side}", np.nan) for side in ("positive", "negative")]
-            friction = _made(Friction, {"coulomb": given["coulomb"]}, given, row, _FRICTION_FIELDS)
-        effort = values.get("max_effort", np.nan)
-        if effort <= 0:
-            raise InputError(f"{row.where}, column 'max_effort': {effort:g} N m must be greater than 0 N m")
-        pairs.append(Pair(motor=row.texts["motor"], gearbox=row.texts["gearbox"], friction=friction, max_effort=effort))
-    return tuple(pairs)
-
-
-def _rows(path: Path, columns: dict[str, Column]) -> Iterator[_Row]:
-    """The rows below the header, remarks and empty lines left out."""
-    text = decoded(read_bytes(path, what="catalogue", at_most=_MAX_BYTES), path)
-    reader = csv.reader(io.StringIO(text, newline=""))
-    try:
-        lines = [(reader.line_num, cells) for cells in reader if _is_content(cells)]
-    except csv.Error as error:
-        raise InputError(f"{path}, row {reader.line_num}: not a CSV file: {error}") from error
-    if not lines:
-        raise InputError(f"{path}: no header; expected columns {', '.join(columns)}")
-    header = _header(f"{path}, row {lines[0][0]}", lines[0][1], columns)
-    for number, cells in lines[1:]:
-        yield _row(f"{path}, row {number}", cells, header, columns)
-
-
-def _is_content(cells: list[str]) -> bool:
-    return any(cell.strip() for cell in cells) and not cells[0].lstrip().startswith("#")
-
-
-def _header(where: str, cells: list[str], columns: dict[str, Column]) -> list[tuple[str, float]]:
-    header: list[tuple[str, float]] = []
-    for cell in cells:
+def _pairs(
+    path: Path, motors: Mapping[str, Any], gearboxes: Mapping[str, Any]
+) -> tuple[tuple[Pair, ...], tuple[str, ...]]:
+    """The pairs, and the rows that were refused."""
+    lines, _ = raw_rows(path)
+    if lines and lines[0][1][0].strip() in motors:
+        return _compatible(path, lines, motors, gearboxes)
+    table = read_table(path, PAIR)
+    pairs, refused = [], list(table.refused)
+    for row in table.rows:
         try:
-            header.append(parsed_header(cell.lstrip("\ufeff"), columns))
-        except ValueError as error:
-            raise InputError(f"{where}: {error}") from error
-    names = [name for name, _ in header]
-    for name in columns:
-        if names.count(name) > 1:
-            raise InputError(f"{where}: column {name!r} occurs twice")
-        if columns[name].is_needed and name not in names:
-            raise InputError(f"{where}: column {name!r} is missing; the header has {', '.join(names)}")
-    return header
+            pairs.append(_pair(row, motors, gearboxes))
+        except InputError as error:
+            refused.append(str(error))
+    if refused and not pairs:
+        raise InputError(refused[0])
+    return tuple(pairs), tuple(refused)
 
 
-def _row(where: str, cells: list[str], header: list[tuple[str, float]], columns: dict[str, Column]) -> _Row:
-    if len(cells) > len(header) and any(cell.strip() for cell in cells[len(header) :]):
-        raise InputError(f"{where}: {len(cells)} cells, but the header has {len(header)} columns")
-    texts: dict[str, str] = {}
-    values: dict[str, Any] = {}
-    for (name, scale), cell in zip(header, cells, strict=False):
-        unit, text = columns[name].unit, cell.strip()
-        if unit is None:
-            texts[name] = text
-        elif text.lower() not in _UNKNOWN:
-            try:
-                values[name] = _curve(text, scale) if unit.startswith("rad/s:") else _number(text) * scale
-            except ValueError as error:
-                raise InputError(f"{where}, column {name!r}: {text!r} is not {_expected(unit)}") from error
-    return _Row({**dict.fromkeys((n for n, c in columns.items() if c.unit is None), ""), **texts}, values, where)
+def _compatible(
+    path: Path, lines: list[tuple[int, list[str]]], motors: Mapping[str, Any], gearboxes: Mapping[str, Any]
+) -> tuple[tuple[Pair, ...], tuple[str, ...]]:
+    """A file of the MGDB: each line a motor and the gearboxes that fit it, * for any letters."""
+    pairs: dict[tuple[str, str], None] = {}
+    refused = []
+    for number, cells in lines:
+        motor, *fitting = (cell.strip() for cell in cells if cell.strip())
+        if motor not in motors:
+            refused.append(f"{path}, row {number}: no motor has the key {motor!r}")
+            continue
+        for key in fitting:
+            found = fnmatch.filter(gearboxes, key) if "*" in key else [key] if key in gearboxes else []
+            if not found:
+                refused.append(f"{path}, row {number}: no gearbox has the key {key!r}")
+            pairs |= dict.fromkeys((motor, gearbox) for gearbox in found)
+    if not pairs:
+        raise InputError(refused[0])
+    return tuple(Pair(motor=motor, gearbox=gearbox) for motor, gearbox in pairs), tuple(refused)
 
 
-def _expected(unit: str) -> str:
-    return "a curve such as '0:0.5; 300:0.4'" if unit.startswith("rad/s:") else "a number"
-
-
-def _number(text: str) -> float:
-    return float(text.replace("_", "?"))  # Python reads 1_000
-
-
-def _curve(text: str, scale: float) -> list[list[float]]:
-    points = [[_number(number) for number in pair.split(":")] for pair in text.split(";") if pair.strip()]
-    return [[speed * scale, torque] for speed, torque in points]
+def _pair(row: Row, motors: Mapping[str, Any], gearboxes: Mapping[str, Any]) -> Pair:
+    for column, keys in (("motor", motors), ("gearbox", gearboxes)):
+        if row.texts[column] not in keys:
+            raise InputError(f"{row.where}, column {column!r}: no {column} has the key {row.texts[column]!r}")
+    values = row.values
+    friction = None
+    if _FRICTION_FIELDS.keys() & values.keys():
+        given: dict[str, Any] = {field: values.get(column, np.nan) for column, field in _FRICTION_FIELDS.items()}
+        for level in ("coulomb", "static"):
+            given[level] = [values.get(f"{level}_{side}", np.nan) for side in ("positive", "negative")]
+        friction = _made(Friction, {"coulomb": given["coulomb"]}, given, row, _FRICTION_FIELDS)
+    effort = values.get("max_effort", np.nan)
+    if effort <= 0:
+        raise InputError(f"{row.where}, column 'max_effort': {effort:g} N m must be greater than 0 N m")
+    return Pair(motor=row.texts["motor"], gearbox=row.texts["gearbox"], friction=friction, max_effort=effort)

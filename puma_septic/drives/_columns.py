@@ -3,34 +3,14 @@
 from __future__ import annotations
 
 import re
-from math import pi
 from typing import Final, NamedTuple
 
 from puma_septic.drives._parts import GEARBOX_UNITS, MOTOR_UNITS
 
-__all__ = ["GEARBOX", "GEARBOX_FIELDS", "MOTOR", "MOTOR_FIELDS", "PAIR", "Column", "parsed_header"]
+__all__ = ["CURRENCY", "GEARBOX", "GEARBOX_FIELDS", "MOTOR", "MOTOR_FIELDS", "PAIR", "Column", "header_parts"]
 
-# Unit in SI, then those understood and how many SI units each is; spaces, points and stars inside do not count.
-_UNITS: Final[dict[str, dict[str, float]]] = {
-    "": {"": 1.0, "%": 0.01},
-    "kg": {"kg": 1.0, "g": 1e-3},
-    "kg m^2": {"kgm^2": 1.0, "kgcm^2": 1e-4, "gcm^2": 1e-7},
-    "N m": {"Nm": 1.0, "mNm": 1e-3},
-    "N m/A": {"Nm/A": 1.0, "mNm/A": 1e-3},
-    "N m s/rad": {"Nms/rad": 1.0, "Nms": 1.0, "mNms": 1e-3},
-    "N m/rad": {"Nm/rad": 1.0},
-    "rad/s": {"rad/s": 1.0, "rpm": 2 * pi / 60, "1/min": 2 * pi / 60},
-    "A": {"A": 1.0, "mA": 1e-3},
-    "V": {"V": 1.0},
-    "ohm": {"ohm": 1.0, "mohm": 1e-3},
-    "H": {"H": 1.0, "mH": 1e-3},
-    "W": {"W": 1.0, "kW": 1e3},
-    "K/W": {"K/W": 1.0},
-    "s": {"s": 1.0, "min": 60.0},
-    "h": {"h": 1.0},
-    "degC": {"degC": 1.0},
-    "rad/s:N m": {"rad/s:Nm": 1.0, "rpm:Nm": 2 * pi / 60},  # of the speeds
-}
+CURRENCY: Final = "a currency"
+"""The unit of costs: any, which is not converted."""
 _HEADER: Final = re.compile(r"^\s*([^\[\]]+?)\s*(?:\[([^\[\]]*)\])?\s*$")
 
 
@@ -52,7 +32,7 @@ _MOTOR: Final[dict[str, Column]] = {
     "Rth1": Column("K/W"), "Rth2": Column("K/W"),
     "max_cont_torque": Column("N m"), "max_int_power": Column("W"), "S1": Column("rad/s:N m"),
     "peak": Column("rad/s:N m"), "tau_w": Column("s"), "tau_h": Column("s"), "T_max": Column("degC"),
-    "I_peak": Column("A"), "pole_pairs": Column(""), "max_inertia_ratio": Column(""), "cost": Column(""),
+    "I_peak": Column("A"), "pole_pairs": Column(""), "max_inertia_ratio": Column(""), "cost": Column(CURRENCY),
     "source": Column(),
 }  # fmt: skip
 _GEARBOX: Final[dict[str, Column]] = {
@@ -62,7 +42,7 @@ _GEARBOX: Final[dict[str, Column]] = {
     "max_cont_torque": Column("N m"),
     "T_N": Column("N m"), "n_N": Column("rad/s"), "T_A": Column("N m"), "T_R": Column("N m"), "T_M": Column("N m"),
     "n_in_av": Column("rad/s"), "n_in_max": Column("rad/s"), "L_n": Column("h"), "stiffness": Column("N m/rad"),
-    "no_load_torque": Column("N m"), "backdrive_efficiency": Column(""), "cost": Column(""), "source": Column(),
+    "no_load_torque": Column("N m"), "backdrive_efficiency": Column(""), "cost": Column(CURRENCY), "source": Column(),
 }  # fmt: skip
 PAIR: Final[dict[str, Column]] = {
     "motor": Column(None, True), "gearbox": Column(None, True), "viscous_friction": Column("N m s/rad"),
@@ -93,23 +73,12 @@ GEARBOX: Final = _GEARBOX | {
 }
 
 
-def parsed_header(text: str, columns: dict[str, Column]) -> tuple[str, float]:
-    """Name and size of the unit of a header cell such as ``inertia[kg cm^2]``; without brackets the unit is SI.
+def header_parts(text: str) -> tuple[str, str | None]:
+    """Name and printed unit of a header cell such as ``inertia[kg cm^2]``; without brackets there is no unit.
 
-    Raises
-    ------
-    ValueError
-        For a name or unit that is not known, with the valid ones.
+    Returns
+    -------
+    str, str or None
     """
     match = _HEADER.match(text)
-    name = match[1] if match else text
-    if match is None or name not in columns:
-        raise ValueError(f"unknown column {text!r}; valid: {', '.join(columns)}")
-    unit, given = columns[name].unit, match[2]
-    if given is None:
-        return name, 1.0
-    plain = re.sub(r"[ .*·]", "", given).replace("²", "^2").replace("m2", "m^2").replace("Ω", "ohm").replace("°", "deg")
-    if unit is None or plain not in _UNITS[unit]:
-        valid = "none, it is text" if unit is None else ", ".join(known or "none" for known in _UNITS[unit])
-        raise ValueError(f"column {name!r}: unknown unit {given!r}; valid: {valid}")
-    return name, _UNITS[unit][plain]
+    return (text.strip(), None) if match is None else (match[1], match[2])

@@ -134,6 +134,7 @@ class Selection:
                 "gearboxes": len(self.catalogue.gearboxes),
                 "pairs": self.catalogue.n_pairs,
                 "unused": list(self.catalogue.unused),
+                "refused": list(self.catalogue.refused),
             },
             "notes": list(self.remarks),
             "joints": [_joint_document(one) for one in self.joints],
@@ -158,7 +159,8 @@ class Selection:
         """Notes, columns of the catalogue that no check uses, and what no choice of drives mends."""
         unused = self.catalogue.unused
         columns = (f"read but not used: {', '.join(unused)}",) if unused else ()
-        return (*self.notes, *columns, *doubts(self.cycle.robot), *position_remarks(self.cycle))
+        refused = tuple(f"not read: {row}" for row in self.catalogue.refused)
+        return (*self.notes, *refused, *columns, *doubts(self.cycle.robot), *position_remarks(self.cycle))
 
     def __str__(self) -> str:
         return view.text(self.to_dict())

@@ -75,11 +75,12 @@ def test_the_folder(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     names = {path.name for path in folder.iterdir()}
     figures = {"torque-speed", "utilisation", "winding-temperature", "torque-split", "ratio-sweep"}
     assert names == {
-        "report.html", "sizing.json", "checks.csv", "pairs.csv", *(f"load-profile-joint{k}.csv" for k in range(1, 7)),
+        "report.html", "sizing.json", "checks.csv", "pairs.csv", "bill-of-material.csv",
+        *(f"{side}-profile-joint{k}.csv" for k in range(1, 7) for side in ("load", "motor")),
         *(f"{name}.{kind}" for name in figures for kind in ("png", "svg")),
     }  # fmt: skip
-    rows = list(csv.reader((folder / "load-profile-joint2.csv").open(encoding="utf-8")))
-    assert rows[0] == ["time [s]", "speed [rpm]", "torque [N m]"]
+    rows = list(csv.reader((folder / "motor-profile-joint2.csv").open(encoding="utf-8")))
+    assert rows[0] == ["time [s]", "motor speed [rpm]", "whole motor torque, rotor and friction included [N m]"]
     values = np.array(rows[1:], dtype=float)
     assert (np.diff(values[:, 0]) > 0).all()
     assert values[-1, 0] == 18.0
@@ -95,7 +96,9 @@ def test_a_catalogue_without_a_fit(capsys: pytest.CaptureFixture[str], tmp_path:
     code, out, _ = ask(capsys, "--catalogue", str(motors), str(gears), "--out", str(folder))
     assert code == 1
     assert "joint2 (most frequent reason: motor torque)" in out
-    assert {path.name for path in folder.iterdir()} == {"sizing.json", "pairs.csv"}
+    assert {path.name for path in folder.iterdir()} == {
+        "report.html", "sizing.json", "pairs.csv", "bill-of-material.csv"
+    }  # fmt: skip
 
 
 def test_the_electronics_of_a_drives_file_hold_for_a_catalogue(

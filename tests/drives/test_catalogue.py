@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -60,10 +61,18 @@ def test_columns_of_the_public_database_and_remarks(tmp_path: Path) -> None:
     motor = catalogue.motors[0]
     assert motor.continuous_torque_at(300.0) == pytest.approx(0.5)  # k_t I_nom
     assert motor.continuous_torque_at(351.0) == 0.0
-    assert np.isnan(motor.coulomb_friction)
+    assert motor.coulomb_friction == pytest.approx(0.03, rel=ROUNDING)  # k_t I_nl
     assert motor.source.startswith("Nobody 7")
     assert catalogue.drivetrain(0, 0).drive.bus_voltage == 48.0
     assert "column max_cont_power of the motors" in catalogue.unused
+
+
+def complaint(tmp_path: Path, **files: str) -> str:
+    """What is said of files: the error, or the rows that were left out."""
+    try:
+        return "\n".join(read(tmp_path, **files).refused)
+    except ps.InputError as error:
+        return str(error)
 
 
 def test_curves_and_thermal_nodes(tmp_path: Path) -> None:
@@ -87,8 +96,11 @@ def test_curves_and_thermal_nodes(tmp_path: Path) -> None:
         (MOTORS.replace("0.5,2,", "0.5,1_0,"), r"m\.csv, row 2, column 'inertia': '1_0' is not a number"),
         (MOTORS.replace("0.5,2,", "0.5,-2,"), r"m\.csv, row 2, column 'inertia': rotor_inertia = -0\.0002 kg m\^2"),
         (MOTORS.replace("M2", "M1"), r"m\.csv, row 3, column 'key': 'M1' occurs twice, first in .*row 2"),
-        (MOTORS.replace("kg cm^2", "lb ft^2"), r"m\.csv, row 1: column 'inertia': unknown unit 'lb ft\^2'; valid: kg"),
-        (MOTORS.replace("mass", "weight"), r"m\.csv, row 1: unknown column 'weight'; valid: key, "),
+        (
+            MOTORS.replace("kg cm^2", "kg cm"),
+            r"m\.csv, row 1: column 'inertia': unknown unit 'kg cm'; expected one of kg m",
+        ),
+        (MOTORS.replace("mass", "weight"), r"m\.csv, row 1: column 'mass' is missing; the header has key, weight"),
         (MOTORS.replace("mass", "key"), r"m\.csv, row 1: column 'key' occurs twice"),
         (MOTORS.replace("M1", ""), r"m\.csv, row 2, column 'key': the cell is empty"),
         (MOTORS.replace("3000", "3000,9"), r"m\.csv, row 2: 6 cells, but the header has 5"),
@@ -98,8 +110,7 @@ def test_curves_and_thermal_nodes(tmp_path: Path) -> None:
     ],
 )
 def test_faults_of_a_motor_file(tmp_path: Path, motors: str, message: str) -> None:
-    with pytest.raises(ps.InputError, match=message):
-        read(tmp_path, motors=motors)
+    assert re.search(message, complaint(tmp_path, motors=motors))
 
 
 @pytest.mark.parametrize(
@@ -112,8 +123,7 @@ def test_faults_of_a_motor_file(tmp_path: Path, motors: str, message: str) -> No
     ],
 )
 def test_faults_of_a_gearbox_file(tmp_path: Path, gears: str, message: str) -> None:
-    with pytest.raises(ps.InputError, match=message):
-        read(tmp_path, gears=gears)
+    assert re.search(message, complaint(tmp_path, gears=gears))
 
 
 @pytest.mark.parametrize(
@@ -127,8 +137,7 @@ def test_faults_of_a_gearbox_file(tmp_path: Path, gears: str, message: str) -> N
     ],
 )
 def test_faults_of_a_pair_file(tmp_path: Path, pairs: str, message: str) -> None:
-    with pytest.raises(ps.InputError, match=message):
-        read(tmp_path, pairs=pairs)
+    assert re.search(message, complaint(tmp_path, pairs=pairs))
 
 
 def test_missing_file(tmp_path: Path) -> None:
@@ -191,5 +200,5 @@ def test_pairs_may_have_the_optional_terms_of_friction(tmp_path: Path) -> None:
     assert pair.friction is not None
     assert pair.friction.is_same(law)
     for static, share, column in ((0.3, 10, "static_positive"), (0.7, 110, "load_share")):
-        with pytest.raises(ps.InputError, match=rf"p\.csv, row 2, column '{column}': "):
-            read(tmp_path, gears=gears, pairs=header + "load_share[%]\n" + row.format(static=static, share=share))
+        text = header + "load_share[%]\n" + row.format(static=static, share=share)
+        assert re.search(rf"p\.csv, row 2, column '{column}': ", complaint(tmp_path, gears=gears, pairs=text))

@@ -292,4 +292,4 @@ def test_a_limit_cannot_be_declared_without_its_bounds() -> None:
 
 def test_a_rule_of_thumb_rejects_nothing_and_needs_no_bounds() -> None:
     assert declared(demand="inertia_ratio", kind="rule of thumb").demand == "inertia_ratio"
-    assert len({limit.quantity for limit in DRIVE_LIMITS}) == len(DRIVE_LIMITS) == 22
+    assert len({limit.quantity for limit in DRIVE_LIMITS}) == len(DRIVE_LIMITS) == 23

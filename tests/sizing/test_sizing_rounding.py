@@ -256,7 +256,15 @@ def test_a_pair_whose_heat_cannot_be_told_is_not_chosen_for_it() -> None:
     load = ps.sizing.joint_load(there_and_back(0.0), 1)
     good = replace(hopeless(), name="good", thermal_time_constants=[1e5], max_winding_celsius=1000.0)
     catalogue = ps.Catalogue(
-        motors=[hopeless(), good], gearboxes=[ps.Gearbox(name="G", ratio=100.0, efficiency=0.8, inertia=1e-5)]
+        motors=[
+            replace(motor, rotor_inertia=1e-4, max_speed=1e4, peak_torque=1e4, continuous_torque=1e3)
+            for motor in (hopeless(), good)
+        ],
+        gearboxes=[
+            ps.Gearbox(
+                name="G", ratio=100.0, efficiency=0.8, inertia=1e-5, max_average_torque=1e4, max_repeated_torque=1e4
+            )
+        ],
     )
     found = select_joint([JointCase(name="", share=1.0, load=load)], catalogue, 0, rank="mass", keep=None, places=None)
     assert found.is_feasible.tolist() == [False, True]

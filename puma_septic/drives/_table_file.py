@@ -1,0 +1,220 @@
+"""Tables of parts as spreadsheets write them: any delimiter, decimal commas, units in headers or cells."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, NamedTuple, final
+
+from puma_septic.drives._columns import CURRENCY, Column, header_parts
+from puma_septic.drives._units import si_size
+from puma_septic.errors import InputError, did_you_mean
+from puma_septic.files import decoded, read_bytes
+
+__all__ = ["PartTable", "Row", "raw_rows", "read_table"]
+
+_MAX_BYTES: Final = 20_000_000
+_DELIMITERS: Final = (",", ";", "\t")
+# How data sheets, the MGDB and spreadsheets leave a cell open, in small letters.
+_UNKNOWN: Final = frozenset(
+    {"", "nan", "inf", "-", "--", "–", "—", "n/a", "na", "n.a.", "#n/a", "none", "null", "tbd", "t.b.d.", "?", "k.a."}
+)
+_CURVE: Final = "rad/s:"
+# A number, and behind it a unit or a tolerance.
+_NUMBER: Final = re.compile(r"^([+-]?(?:\d[\d' \u00a0\u202f.,]*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*(.*)$")
+_TOLERANCE: Final = re.compile(r"\s*(?:±|\+/-|\+-)\s*[\d.,]+\s*%?\s*$")
+_RATIO: Final = re.compile(r"^\s*:\s*1$")
+_AMBIGUOUS: Final = re.compile(r"^[+-]?\d{1,3}[.]\d{3}$")
+
+
+class Row(NamedTuple):
+    """A row's texts, its known values in SI units by column, what stands in unknown columns, and where it is."""
+
+    texts: dict[str, str]
+    values: dict[str, Any]
+    other: dict[str, str]
+    where: str
+
+
+class _Header(NamedTuple):
+    """A column of the file: its name, its printed unit (None: none), and whether it is known."""
+
+    name: str
+    unit: str | None
+    is_known: bool
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class PartTable:
+    """The rows of a file that could be read, the others with the reason, and columns that are not known."""
+
+    rows: tuple[Row, ...]
+    refused: tuple[str, ...]
+    unknown: tuple[str, ...]
+
+
+def read_table(path: Path, columns: Mapping[str, Column]) -> PartTable:
+    """Read a table of parts; a row that cannot be read is told, and the others are there.
+
+    Returns
+    -------
+    PartTable
+
+    Raises
+    ------
+    InputError
+        For a file without a header, or whose header lacks a column that must be there.
+    """
+    lines, has_commas = raw_rows(path)
+    if not lines:
+        raise InputError(f"{path}: no header; expected columns {', '.join(columns)}")
+    number, cells = lines[0]
+    header = _header(f"{path}, row {number}", cells, columns)
+    rows, refused = [], []
+    for number, cells in lines[1:]:
+        try:
+            rows.append(_row(f"{path}, row {number}", cells, header, columns, has_commas))
+        except InputError as error:
+            refused.append(str(error))
+    unknown = tuple(f"{one.name!r} (unknown{did_you_mean([one.name], columns)})" for one in header if not one.is_known)
+    return PartTable(rows=tuple(rows), refused=tuple(refused), unknown=unknown)
+
+
+def raw_rows(path: Path) -> tuple[list[tuple[int, list[str]]], bool]:
+    """The lines with content, remarks left out, and whether numbers have decimal commas.
+
+    Returns
+    -------
+    list of (int, list of str)
+        Number of the line, and its cells.
+    bool
+    """
+    text = decoded(read_bytes(path, what="catalogue", at_most=_MAX_BYTES), path)
+    first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
+    outside = re.sub(r'"[^"]*"|\[[^\]]*\]', "", first)
+    delimiter = max(_DELIMITERS, key=outside.count)
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
+    try:
+        lines = [(reader.line_num, cells) for cells in reader if _is_content(cells)]
+    except csv.Error as error:
+        raise InputError(f"{path}, row {reader.line_num}: not a CSV file: {error}") from error
+    return lines, delimiter != ","
+
+
+def _is_content(cells: list[str]) -> bool:
+    return any(cell.strip() for cell in cells) and not cells[0].lstrip().startswith("#")
+
+
+def _header(where: str, cells: list[str], columns: Mapping[str, Column]) -> list[_Header]:
+    header = []
+    for cell in cells:
+        name, unit = header_parts(cell.lstrip("\ufeff"))
+        is_known = name in columns
+        if is_known and unit is not None:
+            _checked_unit(where, name, unit, columns[name].unit)
+        header.append(_Header(name, unit, is_known))
+    names = [one.name for one in header]
+    for name in columns:
+        if names.count(name) > 1:
+            raise InputError(f"{where}: column {name!r} occurs twice")
+        if columns[name].is_needed and name not in names:
+            meant = did_you_mean([name], [one.name for one in header if not one.is_known])
+            raise InputError(f"{where}: column {name!r} is missing; the header has {', '.join(names)}{meant}")
+    return header
+
+
+def _checked_unit(where: str, name: str, unit: str, target: str | None) -> None:
+    try:
+        if target is None:
+            raise ValueError(f"unknown unit {unit!r}; it is text and has none")
+        _size(unit, target)
+    except ValueError as error:
+        raise InputError(f"{where}: column {name!r}: {error}") from error
+
+
+def _size(unit: str, target: str) -> float:
+    """Of a curve the size of its speeds; its torques must be in N m."""
+    if target == CURRENCY:
+        if unit == "%":
+            raise ValueError("unknown unit '%'; expected a currency")
+        return 1.0
+    if not target.startswith(_CURVE):
+        return si_size(unit, target)
+    speed, _, torque = unit.partition(":")
+    if si_size(torque, "N m") != 1:
+        raise ValueError(f"unknown unit {unit!r}; the torques of a curve are in N m")
+    return si_size(speed, "rad/s")
+
+
+def _row(where: str, cells: list[str], header: list[_Header], columns: Mapping[str, Column], has_commas: bool) -> Row:
+    if len(cells) > len(header) and any(cell.strip() for cell in cells[len(header) :]):
+        raise InputError(f"{where}: {len(cells)} cells, but the header has {len(header)} columns")
+    texts = {name: "" for name, column in columns.items() if column.unit is None}
+    values: dict[str, Any] = {}
+    other: dict[str, str] = {}
+    for one, cell in zip(header, cells, strict=False):
+        text = cell.strip()
+        target = columns[one.name].unit if one.is_known else None
+        if not one.is_known:
+            if text:
+                other[one.name if one.unit is None else f"{one.name}[{one.unit}]"] = text
+        elif target is None:
+            texts[one.name] = text
+        elif text.lower() not in _UNKNOWN:
+            try:
+                values[one.name] = _value(text, one.unit, target, has_commas)
+            except ValueError as error:
+                told = f": {error}" if error.args else ""
+                raise InputError(f"{where}, column {one.name!r}: {text!r} is not {_expected(target)}{told}") from error
+    return Row(texts, values, other, where)
+
+
+def _expected(target: str) -> str:
+    return "a curve such as '0:0.5; 300:0.4'" if target.startswith(_CURVE) else "a number"
+
+
+def _value(text: str, unit: str | None, target: str, has_commas: bool) -> Any:
+    """A cell in SI units."""
+    if target.startswith(_CURVE):
+        return _curve(text, 1.0 if unit is None else _size(unit, target), has_commas)
+    match = _NUMBER.match(_TOLERANCE.sub("", text))
+    if match is None:
+        raise ValueError
+    number, rest = _number(match[1], has_commas), match[2].strip()
+    if target == "" and _RATIO.match(rest):
+        return number
+    printed = rest or unit  # a unit in the cell comes before that of the header
+    return number if printed is None else number * _size(printed, target)
+
+
+def _number(text: str, has_commas: bool) -> float:
+    """A number with its thousands separators taken out.
+
+    Raises
+    ------
+    ValueError
+        Where a comma or point may be either.
+    """
+    plain = re.sub(r"['\u00a0\u202f ]", "", text)
+    if "," in plain and "." in plain:
+        decimal = max("., ".strip(), key=plain.rindex)
+        plain = plain.replace("," if decimal == "." else ".", "")
+        return float(plain.replace(",", "."))
+    if "," in plain:
+        if not has_commas or plain.count(",") > 1:
+            raise ValueError("a comma in a file with commas between its cells")
+        return float(plain.replace(",", "."))
+    if has_commas and _AMBIGUOUS.match(plain):
+        raise ValueError("thousands or thousandths? write it without the point, or with a decimal comma")
+    return float(plain)
+
+
+def _curve(text: str, scale: float, has_commas: bool) -> list[list[float]]:
+    pairs = [pair.split(":") for pair in re.split(r"[;|]", text) if pair.strip()]
+    points = [[_number(number.strip(), has_commas) for number in pair] for pair in pairs]
+    return [[speed * scale, torque] for speed, torque in points]

@@ -26,7 +26,7 @@ from puma_septic.motion import Motion
 from puma_septic.report import new_folder, to_json
 from puma_septic.report.csv import bill_csv, checks_csv, load_profile_csv, motor_profile_csv, pairs_csv
 from puma_septic.report.folder import file_names
-from puma_septic.robot import load_drivetrains
+from puma_septic.robot import load_drivetrains, load_electronics
 from puma_septic.sizing import LoadCase, Selection, Sizing, conditions_of, load_cases_of, size
 from puma_septic.task import ConditionsSection, Task, make_task, resolve_task
 
@@ -146,7 +146,7 @@ def _own_sizing(arguments: Namespace, asked: _Asked) -> Sizing:
 def _selection(arguments: Namespace, asked: _Asked) -> Selection:
     """From a catalogue, with the electronics of a drives file where one is given."""
     robot = asked.cases[0].cycle.robot
-    places = None if arguments.drives is None else load_drivetrains(robot, arguments.drives)
+    places = None if arguments.drives is None else load_electronics(robot, arguments.drives)
     own = None if asked.conditions is None else asked.conditions.own_masses
     if own is not None and arguments.masses is None:
         raise InputError("own masses are taken off where drives are placed on the arm: they go with --masses")

@@ -2,7 +2,7 @@
 
 from puma_septic.robot._actuator import Actuator
 from puma_septic.robot._components import Limits, Payload, Wrench
-from puma_septic.robot._drivetrains import load_drivetrains, own_drivetrains
+from puma_septic.robot._drivetrains import load_drivetrains, load_electronics, own_drivetrains
 from puma_septic.robot._loading import load_robot, robot_files
 from puma_septic.robot._mimic import Mimic
 from puma_septic.robot._model import Robot
@@ -17,6 +17,7 @@ __all__ = [
     "Wrench",
     "is_robot_path",
     "load_drivetrains",
+    "load_electronics",
     "load_robot",
     "named_robots",
     "own_drivetrains",

@@ -14,10 +14,10 @@ from puma_septic.robot._model import Robot
 from puma_septic.robot._names import data_folder
 from puma_septic.robot._toml_text import read_toml, table
 
-__all__ = ["load_drivetrains", "own_drivetrains"]
+__all__ = ["load_drivetrains", "load_electronics", "own_drivetrains"]
 
 _PARTS: Final[dict[str, Any]] = {"motor": Motor, "gearbox": Gearbox, "drive": Drive}
-# What the robot itself knows: it must not be told twice.
+# What the robot itself may know: it must then not be told twice.
 _FROM_ROBOT: Final[dict[str, tuple[str, ...]]] = {
     "motor": ("rotor_inertia", "viscous_friction", "coulomb_friction"),
     "gearbox": ("ratio", "efficiency", "backward_efficiency", "no_load_torque"),
@@ -55,7 +55,7 @@ def _limited(robot: Robot, j: int, train: Drivetrain) -> Drivetrain:
     if np.isnan(train.ratio):
         raise InputError(
             f"joint {joint!r}: its gear ratio is not known, so its motor cannot be assessed; give it by"
-            " actuators=... or drivetrains=..."
+            f" actuators=... or drivetrains=..., or in a drives file: [joints.{joint}.gearbox] ratio"
         )
     motor, gearbox, name = train.motor, train.gearbox, f"{robot.name} {joint}"
     fastest = float(robot.limits.velocity[j]) * train.ratio
@@ -79,8 +79,9 @@ def load_drivetrains(robot: Robot, path: str | Path | None = None) -> tuple[Driv
     robot : Robot
     path : str or Path, optional
         TOML with tables ``[joints.NAME.motor]``, ``.gearbox`` and ``.drive``, whose keys are those of `Motor`,
-        `Gearbox` and `Drive` and whose values are tables ``{ value = ..., source = "..." }``. By default the file that
-        comes with a robot of this package; without one, what the robot itself tells.
+        `Gearbox` and `Drive` and whose values are tables ``{ value = ..., source = "..." }``. What the robot knows
+        itself, such as its gear ratios, is not told again; of a robot that is only a URDF the file tells it. By default
+        the file that comes with a robot of this package; without one, what the robot itself tells.
 
     Returns
     -------
@@ -102,6 +103,27 @@ def load_drivetrains(robot: Robot, path: str | Path | None = None) -> tuple[Driv
     file = data_folder() / f"{robot.name}_drives.toml" if path is None else Path(path)
     if path is None and not file.is_file():
         return own_drivetrains(robot)
+    return tuple(_limited(robot, j, train) for j, train in enumerate(_told(robot, file)))
+
+
+def load_electronics(robot: Robot, path: str | Path) -> tuple[Drivetrain, ...]:
+    """What the joints have whatever the motors and gears: the drive tables of a file, see `load_drivetrains`.
+
+    Returns
+    -------
+    tuple[Drivetrain, ...]
+        One per joint, of no motor and no gears.
+
+    Raises
+    ------
+    ModelError
+        For a file that is missing or malformed, with the joint and key.
+    """
+    return tuple(Drivetrain(gearbox=Gearbox(ratio=1.0), drive=train.drive) for train in _told(robot, Path(path)))
+
+
+def _told(robot: Robot, file: Path) -> tuple[Drivetrain, ...]:
+    """The robot's own drivetrains with what a file adds."""
     data = table(read_toml(file, "drives file"), str(file), ("schema", "robot", "joints"))
     schema = data.get("schema")
     if isinstance(schema, bool) or schema != 1 or data.get("robot") != robot.name:
@@ -111,15 +133,26 @@ def load_drivetrains(robot: Robot, path: str | Path | None = None) -> tuple[Driv
     joints = table(data.get("joints", {}), f"{file}, [joints]", robot.joint_names, kind="joint")
     return tuple(
         _completed(train, joints.get(name, {}), f"{file}, joint {name!r}")
-        for name, train in zip(robot.joint_names, own_drivetrains(robot), strict=True)
+        for name, train in zip(robot.joint_names, robot.drivetrains, strict=True)
     )
+
+
+def _open_keys(train: Drivetrain, part: str) -> tuple[str, ...]:
+    """What a file may tell of a part: all that the robot does not know."""
+    own = getattr(train, part)
+    names = [f.name for f in fields(_PARTS[part]) if f.name != "source"]
+    losses = (
+        () if train.measured_friction is None else tuple(k for ks in _FROM_ROBOT.values() for k in ks if k != "ratio")
+    )
+    told = [name for name in _FROM_ROBOT[part] if name in losses or not np.isnan(getattr(own, name))]
+    return tuple(name for name in names if name not in told)
 
 
 def _completed(train: Drivetrain, parts: object, where: str) -> Drivetrain:
     """The drivetrain with the values of a joint's table written over its own."""
     changed: dict[str, Any] = {}
     for part, entries in table(parts, where, tuple(_PARTS)).items():
-        valid = tuple(f.name for f in fields(_PARTS[part]) if f.name not in (*_FROM_ROBOT[part], "source"))
+        valid = _open_keys(train, part)
         own, values, sources = getattr(train, part), {}, []
         for key, entry in table(entries, f"{where}, {part}", valid).items():
             values[key], source = _sourced(entry, f"{where}, {part} {key}")

@@ -123,7 +123,32 @@ def test_a_robot_without_gear_ratios_is_told_the_options(capsys: pytest.CaptureF
     code, _, err = ask(capsys, str(task))
     assert code == 2
     assert "joint 'swing': its gear ratio is not known" in err
-    assert "give it by --actuators FILE, or choose drives: --catalogue FILE" in err
+    assert "or in a drives file: [joints.swing.gearbox] ratio, or choose drives: --catalogue FILE" in err
+
+
+def test_a_robot_that_is_only_a_urdf_takes_its_drives_from_one_file(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """Its gear ratios could be told in an actuator file alone, whose form is the robot's maker's."""
+    urdf = tmp_path / f"{pendulum(tmp_path).name}.urdf"
+    values = {
+        "motor": {"rotor_inertia": 1e-4, "peak_torque": 1.0, "continuous_torque": 0.4, "max_speed": 300.0},
+        "gearbox": {"ratio": 50.0, "efficiency": 0.8, "max_average_torque": 30.0, "max_repeated_torque": 60.0},
+    }
+    lines = ["schema = 1", 'robot = "pendulum"']
+    for part, entries in values.items():
+        lines += [f"[joints.swing.{part}]", *(f'{k} = {{ value = {v}, source = "test" }}' for k, v in entries.items())]
+    drives, task = tmp_path / "drives.toml", tmp_path / "task.yaml"
+    drives.write_text("\n".join(lines), encoding="utf-8")
+    task.write_text(
+        f"name: swing\nrobot: {{source: {urdf}}}\npoints: [{{joints: [0]}}, {{joints: [1]}}]\n"
+        "times: [0, 1]\nprofiles: [quintic]\n"
+    )
+    code, out, _ = ask(capsys, str(task), "--drives", str(drives))
+    assert code == 0
+    # 2 kg at 0.5 m held at 1 rad: 2 * 9.81 * 0.5 * sin(1) = 8.25 N m, and its inertia on the way.
+    assert "strong enough; governing limit: swing" in " ".join(out.split())
+    assert "Not known of the least that decides a drive" not in out
 
 
 @pytest.mark.parametrize(

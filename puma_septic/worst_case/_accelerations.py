@@ -268,7 +268,7 @@ def _certified(demand: Demand, bounds: Array, rows: Sequence[int], goal: float) 
             degrees=_degrees(demand, row),
             scale=float(robot.limits.effort[row]),
         )
-        bound = partial(demand.least_factor, row, polynomial.remainder)
+        bound = partial(demand.least_factor, row, polynomial)
         least = min(least, certified_minimum(polynomial, bounds, bound, goal=goal, at_most=_MOST_BOXES))
     return max(0.0, least)
 

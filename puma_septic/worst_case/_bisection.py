@@ -13,7 +13,7 @@ from puma_septic.worst_case._polynomials import WIDEST, PosePolynomial
 __all__ = ["certified_minimum"]
 
 # Control values held in memory at once, and boxes halved in one round.
-_AT_ONCE: Final = 4_000_000
+_AT_ONCE: Final = 500_000
 _ROUND: Final = 256
 
 

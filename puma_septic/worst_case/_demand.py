@@ -11,6 +11,7 @@ import numpy as np
 from puma_septic.dynamics import rigid_torque
 from puma_septic.robot import Robot
 from puma_septic.validation import Array, read_only
+from puma_septic.worst_case._polynomials import PosePolynomial
 
 __all__ = ["Demand"]
 
@@ -80,17 +81,23 @@ class Demand:
         ndarray, shape (n, n_joints)
             Negative where the arm cannot be held.
         """
-        return self._factors(self.parts(q), np.zeros(1), slice(None))
+        parts = self.parts(q)
+        return self._factors(np.abs(parts) @ self._causes(parts.shape[-1]), slice(None))
 
-    def least_factor(self, row: int, remainder: Array, values: Array) -> Array:
-        """The least factor over control values, shape (n, n_control_points, n_parts), of one row."""
-        return np.asarray(self._factors(values, remainder, row).min(axis=1))
+    def least_factor(self, row: int, polynomial: PosePolynomial, values: Array) -> Array:
+        """The least factor over control values of one row's parts, shape (n, n_control_points, n_parts)."""
+        causes = self._causes(len(polynomial.remainder))
+        demands = np.abs(values) @ causes[list(polynomial.quantities)] + polynomial.remainder @ causes
+        return np.asarray(self._factors(demands, row).min(axis=1))
 
-    def _factors(self, parts: Array, remainder: Array, row: int | slice) -> Array:
-        n = self.robot.n_joints
-        sizes = np.abs(parts) + remainder
-        inertia = sizes[..., 1 : 1 + n].sum(axis=-1)
-        others = sizes[..., 0] + sizes[..., 1 + n :].sum(axis=-1)
+    def _causes(self, count: int) -> Array:
+        """Which of so many parts the accelerations ask for and which not, shape (count, 2)."""
+        is_inertia = (np.arange(count) >= 1) & (np.arange(count) <= self.robot.n_joints)
+        return np.column_stack([is_inertia, ~is_inertia]).astype(float)
+
+    def _factors(self, demands: Array, row: int | slice) -> Array:
+        """Of demands by cause, shape (..., 2)."""
+        inertia, others = demands[..., 0], demands[..., 1]
         effort = np.where(np.isnan(self.robot.limits.effort), np.inf, self.robot.limits.effort)
         left = (effort - self.friction)[row] - others
         return np.asarray(np.divide(left, inertia, out=np.full_like(left, np.inf), where=inertia > 0))

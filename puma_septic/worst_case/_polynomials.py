@@ -14,6 +14,7 @@ from math import pi
 from typing import Final, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from puma_septic.errors import ModelError
 from puma_septic.validation import Array
@@ -27,6 +28,8 @@ WIDEST: Final = 2 * pi / 3
 _MISFIT: Final = 1e-8
 # Of the sum of all quantities: joints that add no more are left out, and their share is added to the bound.
 _NEGLIGIBLE: Final = 2e-4
+# The same of whole quantities, such as the Coriolis torque of two wrist joints at a shoulder.
+_NEGLIGIBLE_QUANTITIES: Final = 1e-3
 # 3^12 poses are half a million, a second or so.
 _LARGEST: Final = 600_000
 
@@ -41,15 +44,18 @@ class PosePolynomial:
     joints : tuple of int, length k
         The joints that it depends on.
     slides : tuple of bool, length k
-    coefficients : ndarray, shape (n_quantities, d_1, ..., d_k)
+    quantities : tuple of int, length n
+        Those that it is of; the others are a part of the remainder alone.
+    coefficients : ndarray, shape (n, d_1, ..., d_k)
         For 1, cos q, sin q, cos 2q, sin 2q of a joint that turns, for 1, x, x^2 of one that slides, as far as its
         degree goes.
     remainder : ndarray, shape (n_quantities,)
-        What joints that are left out can add to a magnitude.
+        What joints and quantities that are left out can add to a magnitude; of all quantities.
     """
 
     joints: tuple[int, ...]
     slides: tuple[bool, ...]
+    quantities: tuple[int, ...]
     coefficients: Array
     remainder: Array
 
@@ -68,7 +74,7 @@ class PosePolynomial:
 
         Returns
         -------
-        ndarray, shape (n, n_control_points, n_quantities)
+        ndarray, shape (n, n_control_points, len(quantities))
             An arc is a rational Bezier curve with positive weights, on which a polynomial of degree d is one of
             degree 2d, a convex combination of its control values (Farin, Curves and Surfaces for CAGD, 5th ed.,
             section 13); with several joints, of the products.
@@ -167,12 +173,13 @@ def _check_fit(
 
 
 def _reduced(joints: list[int], slides: Sequence[bool], tensor: Array, region: Array) -> PosePolynomial:
-    """Without the joints, and the degrees, that add next to nothing; what they could add is the remainder."""
+    """Without quantities, joints and degrees that add next to nothing; what they could add is the remainder."""
     largest = [
         np.abs(_basis(np.abs(region[j]), size, True)).max(axis=0) if slides[j] else np.ones(size)
         for j, size in zip(joints, tensor.shape[1:], strict=True)
     ]
-    remainder = np.zeros(len(tensor))
+    remainder, chosen = _chosen(np.abs(tensor) * reduce(np.multiply.outer, largest, np.ones(())))
+    tensor = tensor[chosen]
     kept = list(joints)
     for j in joints:
         axis = 1 + kept.index(j)
@@ -185,14 +192,29 @@ def _reduced(joints: list[int], slides: Sequence[bool], tensor: Array, region: A
             if (share <= _NEGLIGIBLE / len(joints) * sizes.sum()).all():
                 tensor = np.take(tensor, range(min(size, tensor.shape[axis])), axis=axis)
                 largest[joints.index(j)] = largest[joints.index(j)][: tensor.shape[axis]]
-                remainder += share
+                remainder[chosen] += share
                 break
         if tensor.shape[axis] == 1:
             tensor = np.squeeze(tensor, axis)
             kept.remove(j)
     return PosePolynomial(
-        joints=tuple(kept), slides=tuple(bool(slides[j]) for j in kept), coefficients=tensor, remainder=remainder
+        joints=tuple(kept),
+        slides=tuple(bool(slides[j]) for j in kept),
+        quantities=tuple(chosen.tolist()),
+        coefficients=tensor,
+        remainder=remainder,
     )
+
+
+def _chosen(sizes: Array) -> tuple[Array, NDArray[np.int64]]:
+    """What the quantities add that are left out, 0 for the others, and which are kept: at least the largest."""
+    totals = sizes.reshape(len(sizes), -1).sum(axis=1)
+    order = np.argsort(totals, kind="stable")
+    is_small = np.cumsum(totals[order]) <= _NEGLIGIBLE_QUANTITIES * totals.sum()
+    dropped = order[:-1][is_small[:-1]]
+    remainder = np.zeros(len(totals))
+    remainder[dropped] = totals[dropped]
+    return remainder, np.setdiff1d(np.arange(len(totals)), dropped)
 
 
 def _control_matrix(bounds: Array, size: int, slides: bool) -> Array:

@@ -20,7 +20,8 @@ UR10E = [
     (0, -QUARTER, 0.11985),
     (0, 0, 0.11655),
 ]
-# KUKA KR 5 arc: Corke, Robotics Toolbox for MATLAB, mdl_KR5.m, without its two offsets that cancel; axis 1 misses 2.
+# KUKA KR 5 arc, its lengths as ROS-Industrial's kuka_kr5_support has them (kr5_arc_macro.xacro): 400, 180, 600, 120,
+# 620 and 115 mm; axis 1 misses 2.
 KR5 = [
     (0.18, QUARTER, 0.4),
     (0.6, 0, 0),
@@ -30,7 +31,8 @@ KR5 = [
     (0, 0, 0.115),
 ]
 # Modified (Craig's) rows (alpha before, a before, d).
-# Staubli TX60: lengths of the arm's data sheet, 290, 310, 70 mm and an offset of 20 mm.
+# Staubli TX60, its lengths as ROS-Industrial's staubli_tx60_support has them (tx60_macro.xacro): 375, 290, 310 and 70
+# mm, upper arm and forearm 20 mm apart.
 TX60 = [
     (0, 0, 0.375),
     (-QUARTER, 0, 0.02),
@@ -39,7 +41,8 @@ TX60 = [
     (QUARTER, 0, 0),
     (-QUARTER, 0, 0.07),
 ]
-# ABB IRB 1200-5/0.9: ABB's own table as exported by RobotStudio; axes 1 and 2 meet, the elbow is offset by 42 mm.
+# ABB IRB 1200-5/0.9, its lengths as ROS-Industrial's abb_irb1200_support has them (irb1200_5_90_macro.xacro): 399.1,
+# 448, 42, 451 and 82 mm; axes 1 and 2 meet, the elbow is offset.
 IRB1200 = [
     (0, 0, 0.3991),
     (QUARTER, 0, 0),

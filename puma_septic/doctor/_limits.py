@@ -31,6 +31,8 @@ _SLOWEST: Final = 0.01
 _WIDEST, _LONGEST = 4 * pi, 20.0
 # rad (m).
 _NARROW: Final = 0.01
+# From which the worst pose of each joint is sought, of an arm of six.
+_STARTS: Final = 24
 # Joints from which on equal limits are no chance.
 _FEW: Final = 4
 # Joints one behind another that no maker gives the same torque: legs have three, and fingers four, of one motor.
@@ -62,7 +64,8 @@ def _weight(robot: Robot) -> Iterator[Finding]:
     if robot.missing_inertia or slides_without_end.any():
         return
     bare = robot.with_payload(None).with_wrench(None)
-    poses = holding_poses(bare, checked_region(bare, None))
+    # A humanoid's fingers need fewer starts than an arm: the work grows with the square of the joints.
+    poses = holding_poses(bare, checked_region(bare, None), starts=max(3, _STARTS * 6 // robot.n_joints))
     rest = np.zeros_like(poses)
     needed = np.abs(np.diagonal(inverse_dynamics(bare, poses, rest, rest)))
     effort = robot.limits.effort

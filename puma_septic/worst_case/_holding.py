@@ -103,7 +103,7 @@ def worst_holding_torque(
     return WorstHolding(robot=carrying, region=bounds, attained=attained, poses=poses, bound=bound)
 
 
-def holding_poses(robot: Robot, bounds: Array) -> Array:
+def holding_poses(robot: Robot, bounds: Array, *, starts: int = _STARTS) -> Array:
     """For each joint the pose of the box, as far as found, in which it holds most, shape (n_joints, n_joints).
 
     From the worst of random poses one joint after the other is put where the torque is largest, until nothing moves.
@@ -111,7 +111,7 @@ def holding_poses(robot: Robot, bounds: Array) -> Array:
     random = random_poses(bounds, 1000)
     sizes = np.abs(_at_rest(robot, random))
     return np.array(
-        [_climbed(robot, bounds, j, random[np.argsort(-sizes[:, j])[:_STARTS]]) for j in range(robot.n_joints)]
+        [_climbed(robot, bounds, j, random[np.argsort(-sizes[:, j])[:starts]]) for j in range(robot.n_joints)]
     )
 
 

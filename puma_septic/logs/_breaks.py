@@ -38,6 +38,8 @@ _ROUNDINGS: Final = 64
 # Lower derivatives of the difference vanish at a break but for this part of the step, in steps of time; nearly, where
 # nothing better is found.
 _VANISHING, _NEARLY = 1e-7, 0.02
+# What is left of a difference beyond its cubic part, where pieces are cubic.
+_CUBIC: Final = 1e-5
 # A root so far outside its place, in steps of time, is at the border.
 _OUTSIDE: Final = 0.02
 # Breaks of two joints so close together, in steps of time, are one: by their order, as that is how well they are known.
@@ -201,7 +203,7 @@ def _two_of_jerk(difference: Polynomial, end: float) -> list[tuple[int, float]]:
     middle = end / 2
     series = np.asarray(difference(Polynomial([middle, 1.0])).coef, dtype=float)
     series = np.pad(series, (0, max(0, 5 - len(series))))
-    if np.abs(series[4:] * (middle + 0.5) ** np.arange(len(series) - 4)).max() > _NEARLY * np.abs(series[:4]).max():
+    if np.abs(series[4:] * (middle + 0.5) ** np.arange(len(series) - 4)).max() > _CUBIC * np.abs(series[:4]).max():
         return []
     moments = np.array([series[3], -series[2] / 3, series[1] / 3, -series[0]])
     system = np.array([[moments[1], -moments[0]], [moments[2], -moments[1]]])

@@ -21,11 +21,13 @@ from puma_septic.logs._clock import even_stamps
 from puma_septic.logs._ends import Ends, EndsRule, ends_of
 from puma_septic.logs._file import JointLog
 from puma_septic.logs._noise import encoder_step, sample_noise
+from puma_septic.logs._rests import find_rests
 from puma_septic.logs._smoothing import Smoothed, even_knots, smooth_joint
 from puma_septic.logs._spline import (
     DEGREE,
     as_piecewise,
     as_spline,
+    constant_between,
     knots_on,
     least_squares,
     merged_columns,
@@ -121,7 +123,8 @@ def fit_trajectory(
     - Positions alone: the interpolating quintic spline, continuous to the fourth derivative. More than 10,000 samples
       get a knot for every few of them, and the spline nearest to them in the least-squares sense.
     - With `smoothing`, for noisy samples: "auto" is the penalised quintic spline of greatest restricted likelihood; a
-      number the least-squares spline on as few intervals as hold the RMS residual of every joint to that value.
+      number the least-squares spline on as few intervals as hold the RMS residual of every joint to that value,
+      constant where the samples show no motion.
     - With velocities, as planners give them: a quintic per step through q and v whose accelerations make the jerk
       continuous too; zero acceleration at both ends. With accelerations also: a quintic per step through all three.
 
@@ -224,7 +227,7 @@ def fit_samples(
     step = np.where(noise > _OF_STEP * whole, whole, 0.0)
     noise = np.maximum(noise, step / np.sqrt(12))
     found = ends_of(t, q, noise, step, ends)
-    spread, jitter = _fitted(t, q, noise, smoothing, found, labels)
+    spread, jitter = _fitted(t, q, noise, step, smoothing, found, labels)
     questions = (
         *_steps_of_velocity(spread, labels),
         *suspicions(t, q, labels, bounds=bounds, units_stated=units_stated),
@@ -335,7 +338,7 @@ def _unwrapped(samples: Array, continuous: ArrayLike | None) -> tuple[Array, NDA
 
 
 def _fitted(
-    t: Array, q: Array, noise: Array, smoothing: Smoothing, ends: Ends, labels: Sequence[str]
+    t: Array, q: Array, noise: Array, step: Array, smoothing: Smoothing, ends: Ends, labels: Sequence[str]
 ) -> tuple[Spread, float]:
     """The spline as asked, with its spread, and the jitter of the stamps."""
     if isinstance(smoothing, str):
@@ -343,10 +346,10 @@ def _fitted(
         return _smoothed(t, q, ends)
     if smoothing is not None:
         allowed = _per_joint("smoothing", smoothing, q.shape[1])
-        return _within(t, q, allowed, ends, labels), 0.0
+        return _within(t, q, allowed, ends, find_rests(t, q, noise, step), labels), 0.0
     stride = -(-len(t) // _MOST_INTERVALS)
     if stride > 1 and noise.any():
-        return _nearest(t, q, np.append(t[:-1:stride], t[-1]), ends), 0.0
+        return _nearest(t, q, np.append(t[:-1:stride], t[-1]), ends, np.empty((0, 2), np.int64)), 0.0
     return through(t, q, noise, ends.slopes, find_breaks(t, q, noise, ends.slopes[:, 0] == 0), stride), 0.0
 
 
@@ -386,7 +389,7 @@ def _jitter(residual: Array, v: Array, noise: Array) -> tuple[float, Array]:
     return float(np.sqrt(slope)), weights
 
 
-def _within(t: Array, q: Array, allowed: Array, ends: Ends, labels: Sequence[str]) -> Spread:
+def _within(t: Array, q: Array, allowed: Array, ends: Ends, rests: NDArray[np.int64], labels: Sequence[str]) -> Spread:
     """The least-squares quintic spline on the fewest intervals, of a growing row, that holds the residual."""
     if not (allowed > 0).all():
         j = int(np.argmin(allowed))
@@ -394,8 +397,8 @@ def _within(t: Array, q: Array, allowed: Array, ends: Ends, labels: Sequence[str
     intervals, residual = 1, np.full(len(allowed), np.inf)
     # With fewer than two samples to an interval it would be interpolation, and the system might be singular.
     while 2 * intervals <= len(t):
-        breaks = np.interp(np.linspace(0, len(t) - 1, intervals + 1), np.arange(len(t)), t)
-        spread = _nearest(t, q, breaks, ends)
+        breaks = _moving_breaks(t, rests, intervals)
+        spread = _nearest(t, q, breaks, ends, rests)
         residual = np.sqrt(((q - spread.spline(t)) ** 2).mean(axis=0))
         if (residual <= allowed).all():
             return spread
@@ -407,15 +410,34 @@ def _within(t: Array, q: Array, allowed: Array, ends: Ends, labels: Sequence[str
     )
 
 
-def _nearest(t: Array, q: Array, breaks: Array, ends: Ends) -> Spread:
-    """The least-squares spline with knots at the breaks."""
-    knots, parts = knots_on(breaks), []
+def _inner(rests: NDArray[np.int64], n: int) -> NDArray[np.int64]:
+    """Where rests begin and end, but for the ends of the log."""
+    edges = np.unique(rests)
+    return edges[(edges > 0) & (edges < n - 1)]
+
+
+def _moving_breaks(t: Array, rests: NDArray[np.int64], intervals: int) -> Array:
+    """Breaks evenly among the samples, none inside a rest: so many intervals on what moves, one at least on a part."""
+    edges = np.concatenate([[0], _inner(rests, len(t)), [len(t) - 1]])
+    still = np.isin(edges[:-1], rests[:, 0]) & np.isin(edges[1:], rests[:, 1])
+    lengths = np.diff(edges)
+    shares = np.maximum(1, np.rint(intervals * lengths / max(1, lengths[~still].sum()))).astype(int)
+    parts = [
+        np.linspace(first, last, 1 if rest else share, endpoint=False)
+        for first, last, rest, share in zip(edges[:-1], edges[1:], still, shares, strict=True)
+    ]
+    return np.asarray(np.interp(np.concatenate([*parts, [len(t) - 1]]), np.arange(len(t)), t))
+
+
+def _nearest(t: Array, q: Array, breaks: Array, ends: Ends, rests: NDArray[np.int64]) -> Spread:
+    """The least-squares spline with knots at the breaks, constant in rests."""
+    # Where a rest begins or ends the jerk may step.
+    knots, parts = np.sort(np.concatenate([knots_on(breaks), np.repeat(t[_inner(rests, len(t))], 2)])), []
     for j, column in enumerate(q.T):
-        rest = ends.orders(j)
-        c, factor = least_squares(t, column, knots, rest)
+        merged = constant_between(merged_columns(len(knots) - DEGREE - 1, ends.orders(j)), knots, t[rests])
+        c, factor = least_squares(t, column, knots, merged)
         left = column - BSpline(knots, c, DEGREE)(t)
         free = max(1, len(t) - factor.shape[1])
-        merged = merged_columns(len(c), rest)
         noise = float(np.sqrt((left**2).sum() / free))
         parts.append(Smoothed(coefficients=c, noise=noise, factor=factor, merged=merged))
     spline = as_spline(knots, [part.coefficients for part in parts])

@@ -18,8 +18,8 @@ from puma_septic.piecewise import Piecewise
 from puma_septic.validation import Array
 
 __all__ = [
-    "DEGREE", "as_piecewise", "as_spline", "banded", "end_slopes", "interpolated", "knots_on", "least_squares",
-    "merged_columns",
+    "DEGREE", "as_piecewise", "as_spline", "banded", "constant_between", "end_slopes", "interpolated", "knots_on",
+    "least_squares", "merged_columns",
 ]  # fmt: skip
 
 DEGREE: Final = 5
@@ -101,10 +101,18 @@ def merged_columns(p: int, rest: tuple[int, int]) -> NDArray[np.int64]:
     return np.clip(np.arange(p) - rest[0], 0, p - 1 - sum(rest))
 
 
-def least_squares(t: Array, q: Array, knots: Array, rest: tuple[int, int]) -> tuple[Array, Array]:
+def constant_between(merged: NDArray[np.int64], knots: Array, spans: Array) -> NDArray[np.int64]:
+    """Which free coefficient each one is, where the spline is constant on spans (k, 2) between two knots too."""
+    equal = np.diff(merged) == 0
+    for start in spans[:, 0]:
+        last = int(np.searchsorted(knots, start, side="right")) - 1
+        equal[last - DEGREE : last] = True
+    return np.concatenate([[0], np.cumsum(~equal)])
+
+
+def least_squares(t: Array, q: Array, knots: Array, merged: NDArray[np.int64]) -> tuple[Array, Array]:
     """Coefficients (p, m) of the least-squares spline, and the banded Cholesky factor of its free normal equations."""
     p = len(knots) - DEGREE - 1
-    merged = merged_columns(p, rest)
     basis = BSpline.design_matrix(t, knots, DEGREE) @ csr_array((np.ones(p), (np.arange(p), merged)))
     # The normal equations of B-splines are banded and well conditioned.
     factor = cholesky_banded(banded(basis.T @ basis))

@@ -20,6 +20,7 @@ _HOMES: Final = {
     "Comparison": "comparison",
     "Controller": "simulation",
     "Cycle": "cycle",
+    "CycleAssessment": "cycle",
     "Drive": "drives",
     "Drivetrain": "drives",
     "Dwell": "cycle",
@@ -40,6 +41,7 @@ _HOMES: Final = {
     "Piecewise": "piecewise",
     "PumaSepticError": "errors",
     "Replay": "viewer",
+    "ResolvedCycle": "task",
     "ResolvedTask": "task",
     "Robot": "robot",
     "Selection": "sizing",
@@ -53,6 +55,7 @@ _HOMES: Final = {
     "Wrench": "robot",
     "acceleration_limits": "worst_case",
     "assess": "assessment",
+    "assess_cycle": "cycle",
     "assess_task": "task",
     "built_in_catalogue": "drives",
     "check_trajectory": "gate",
@@ -101,6 +104,7 @@ _HOMES: Final = {
     "replay_html": "viewer",
     "report_html": "report.page",
     "residual_vibration": "vibration",
+    "resolve_cycle": "task",
     "resolve_task": "task",
     "septic": "profiles",
     "simulate": "simulation",
@@ -136,7 +140,9 @@ if TYPE_CHECKING:
     from puma_septic.comparison import Comparison as Comparison
     from puma_septic.comparison import compare as compare
     from puma_septic.cycle import Cycle as Cycle
+    from puma_septic.cycle import CycleAssessment as CycleAssessment
     from puma_septic.cycle import Dwell as Dwell
+    from puma_septic.cycle import assess_cycle as assess_cycle
     from puma_septic.drives import Catalogue as Catalogue
     from puma_septic.drives import Drive as Drive
     from puma_septic.drives import Drivetrain as Drivetrain
@@ -211,10 +217,12 @@ if TYPE_CHECKING:
     from puma_septic.sizing import Selection as Selection
     from puma_septic.sizing import Sizing as Sizing
     from puma_septic.sizing import size as size
+    from puma_septic.task import ResolvedCycle as ResolvedCycle
     from puma_septic.task import ResolvedTask as ResolvedTask
     from puma_septic.task import Task as Task
     from puma_septic.task import assess_task as assess_task
     from puma_septic.task import load_task as load_task
+    from puma_septic.task import resolve_cycle as resolve_cycle
     from puma_septic.task import resolve_task as resolve_task
     from puma_septic.trajectory import Trajectory as Trajectory
     from puma_septic.vibration import residual_vibration as residual_vibration

@@ -20,6 +20,7 @@ SCHEMAS: Final = MappingProxyType(
         "assessment": "puma-septic/assessment/1",
         "check": "puma-septic/check/1",
         "comparison": "puma-septic/comparison/1",
+        "cycle": "puma-septic/cycle/1",
         "doctor": "puma-septic/doctor/1",
         "ik": "puma-septic/ik/1",
         "least-time": "puma-septic/least-time/1",

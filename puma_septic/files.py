@@ -3,16 +3,29 @@
 from __future__ import annotations
 
 import hashlib
+import io
+from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, final
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent, NodeEvent
+from ruamel.yaml.nodes import MappingNode, SequenceNode
 
 from puma_septic.errors import InputError
 
-__all__ = ["decoded", "read_bytes", "sha256_of", "write_new", "yaml_documents"]
+__all__ = [
+    "YamlPlaces",
+    "decoded",
+    "read_bytes",
+    "sha256_of",
+    "write_new",
+    "yaml_documents",
+    "yaml_places",
+    "yaml_text",
+]
 
 _BLOCK: Final = 1 << 20
 
@@ -64,6 +77,61 @@ def yaml_documents(text: str, origin: str, *, max_depth: int) -> list[Any]:
             raise
         # ValueError: an impossible date or a number of thousands of digits; TypeError: a list as a key.
         raise InputError(f"{origin}: not valid YAML: {' '.join(str(error).split())}") from error
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class YamlPlaces:
+    """Where the parts of a YAML document stand in its text."""
+
+    root: Any
+
+    def line(self, location: Iterable[str | int]) -> int:
+        """The line of a key or an entry, from 1; of the last part of its way that the document has."""
+        node, mark = self.root, self.root.start_mark
+        for part in location:
+            if isinstance(node, MappingNode):
+                found = [(key, value) for key, value in node.value if key.value == str(part)]
+                if not found:
+                    break
+                mark, node = found[0][0].start_mark, found[0][1]
+            elif isinstance(node, SequenceNode) and isinstance(part, int) and part < len(node.value):
+                node = node.value[part]
+                mark = node.start_mark
+            else:
+                break
+        return int(mark.line) + 1
+
+
+def yaml_places(text: str) -> YamlPlaces | None:
+    r"""The places of a text that `yaml_documents` has read; None where it has no document.
+
+    Returns
+    -------
+    YamlPlaces or None
+
+    Examples
+    --------
+    >>> yaml_places("name: a\npoints:\n  - {x: 1}\n").line(["points", 0, "x"])
+    3
+    """
+    root = YAML(typ="safe", pure=True).compose(text)
+    return None if root is None else YamlPlaces(root)
+
+
+def yaml_text(data: Any) -> str:
+    """Plain values as YAML, lists of numbers on one line.
+
+    Returns
+    -------
+    str
+    """
+    stream = io.StringIO()
+    writer = YAML(typ="safe", pure=True)
+    writer.default_flow_style, writer.width = None, 120
+    writer.representer.sort_base_mapping_type_on_output = False
+    writer.dump(data, stream)
+    return stream.getvalue()
 
 
 def sha256_of(path: Path) -> str:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import functools
 import operator
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.dynamics import TorqueTerms, rigid_terms, rigid_torque, smooth_torque
+from puma_septic.dynamics import TERMS, TorqueTerms, rigid_terms, rigid_torque, smooth_torque
 from puma_septic.errors import InputError, PumaSepticError
 from puma_septic.friction import dry_friction_along, loss_along
 from puma_septic.piecewise import Piecewise
@@ -19,7 +20,7 @@ from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_choice
 
-__all__ = ["Motion", "Rest", "check_joints", "compute_motion"]
+__all__ = ["Motion", "Rest", "check_joints", "compute_motion", "joined"]
 
 # A hundredth of what the torque is fitted to: between reversals it needs fewer coefficients than over all of them.
 _NEGLIGIBLE = 1e-13
@@ -44,6 +45,8 @@ class Motion:
         Which way each joint travels on each interval of ``torque.breaks``: +1, -1, or 0 at rest.
     n_evaluations : int
         How many samples of the rigid-body dynamics were computed.
+    parts : tuple of Motion
+        Of a motion that `joined` made, the motions that it is made of, each with its own payload; else empty.
     """
 
     robot: Robot
@@ -52,6 +55,7 @@ class Motion:
     coulomb: Piecewise
     direction: Piecewise
     n_evaluations: int
+    parts: tuple[Motion, ...] = ()
 
     @property
     def still(self) -> NDArray[np.bool_]:
@@ -104,7 +108,10 @@ class Motion:
     @property
     def torque_terms(self) -> TorqueTerms[Piecewise]:
         """The torque by cause, each a Piecewise; they sum to `torque`."""
-        return _split_torque(self)
+        if not self.parts:
+            return _split_torque(self)
+        terms = [part.torque_terms for part in self.parts]
+        return TorqueTerms(**{name: Piecewise.sequence([getattr(one, name) for one in terms]) for name in TERMS})
 
 
 @final
@@ -205,6 +212,33 @@ def compute_motion(robot: Robot, trajectory: Trajectory) -> Motion:
         coulomb=coulomb.aligned_with(torque),
         direction=trajectory.direction.aligned_with(torque),
         n_evaluations=n_evaluations,
+    )
+
+
+def joined(motions: Sequence[Motion], trajectory: Trajectory) -> Motion:
+    """Motions of one arm one after the other, from time 0, along the trajectory that they make up.
+
+    Each keeps its own payload in the torque; as a whole the robot is that of the first.
+
+    Parameters
+    ----------
+    motions : sequence of Motion
+    trajectory : Trajectory
+        Of all of them.
+
+    Returns
+    -------
+    Motion
+    """
+    torque = Piecewise.sequence([one.torque for one in motions])
+    return Motion(
+        robot=motions[0].robot,
+        trajectory=trajectory,
+        torque=torque,
+        coulomb=Piecewise.sequence([one.coulomb for one in motions]),
+        direction=Piecewise.sequence([one.direction for one in motions]),
+        n_evaluations=sum(one.n_evaluations for one in motions),
+        parts=tuple(motions),
     )
 
 

@@ -18,6 +18,7 @@ from puma_septic.document import SCHEMAS, plain
 from puma_septic.errors import InputError
 from puma_septic.limit_check import LimitCheck, most_used_first
 from puma_septic.motion import Motion, compute_motion
+from puma_septic.paths import ToolLimits, tool_rates
 from puma_septic.piecewise import Extrema
 from puma_septic.quantities import MAGNITUDES, QUANTITIES
 from puma_septic.robot import Robot
@@ -60,6 +61,8 @@ class Assessment:
     motion : Motion
     dwell : float
         Rest at the last point, without brake, before the cycle repeats, s.
+    tool_limits : ToolLimits or None
+        What the tool may do at most, held against the motion beside the limits of the joints.
     peak_velocity, peak_acceleration, peak_jerk : ndarray
         Largest magnitudes in rad/s ... (m/s ... for prismatic joints); infinite where a lower derivative steps.
     peak_velocity_time, peak_acceleration_time, peak_jerk_time : ndarray
@@ -77,6 +80,7 @@ class Assessment:
 
     motion: Motion
     dwell: float
+    tool_limits: ToolLimits | None = None
     peak_velocity: Array
     peak_velocity_time: Array
     peak_acceleration: Array
@@ -119,8 +123,9 @@ class Assessment:
 
     @property
     def all_checks(self) -> tuple[LimitCheck, ...]:
-        """`checks`, and that of the floor where there is one."""
-        return self.checks if self.floor_check is None else (*self.checks, self.floor_check)
+        """`checks`, those of the tool, whose `joint` is "tool", and that of the floor, where there are some."""
+        floor = () if self.floor_check is None else (self.floor_check,)
+        return (*self.checks, *self.tool_checks, *floor)
 
     @cached_property
     def _power(self) -> PowerMetrics:
@@ -167,6 +172,13 @@ class Assessment:
         """Every known limit checked against its demand, joint by joint, and every demand that no arm can meet."""
         demands = {name: self.peak(name) for name in self.motion.robot.limits.quantities if name in MAGNITUDES}
         return limit_checks(self.motion.robot, self.position, demands)
+
+    @cached_property
+    def tool_checks(self) -> tuple[LimitCheck, ...]:
+        """The limits of the tool checked; none where there are none."""
+        if self.tool_limits is None:
+            return ()
+        return tool_rates(self.motion.robot, self.motion.trajectory).checks(self.tool_limits)
 
     def peak(self, quantity: str) -> tuple[Array, Array]:
         """Largest magnitude of a quantity and its instant in s, each of shape (n_joints,): "velocity", "effort" ...
@@ -298,7 +310,10 @@ class Assessment:
             "undecided": list(self.undecided),
             "doubts": list(self.doubts),
             "joints": [self._joint_document(j) for j in range(robot.n_joints)],
-            "tool": {key: plain(getattr(self.tool, key)) for key in _TOOL},
+            "tool": {
+                **{key: plain(getattr(self.tool, key)) for key in _TOOL},
+                **({"checks": [check.to_dict() for check in self.tool_checks]} if self.tool_checks else {}),
+            },
             "lowest": self.lowest.to_dict() | {"floor": self.floor},
             "singularities": [
                 {key: plain(getattr(report, key)) for key in _SINGULARITY} for report in self.tool.singularities
@@ -337,7 +352,12 @@ class Assessment:
 
 
 def assess(
-    what: Motion | Robot, trajectory: Trajectory | None = None, *, dwell: float = 0.0, floor: float | None = None
+    what: Motion | Robot,
+    trajectory: Trajectory | None = None,
+    *,
+    dwell: float = 0.0,
+    floor: float | None = None,
+    tool_limits: ToolLimits | None = None,
 ) -> Assessment:
     """Hold a motion against the limits of its robot.
 
@@ -351,6 +371,8 @@ def assess(
         Rest at the last point before the cycle repeats, s; it counts in the root mean squares.
     floor : float, optional
         Height above the base that no joint that carries the tool, and not the tool, may go below, m.
+    tool_limits : ToolLimits, optional
+        What the tool may do at most, such as 0.25 m/s of a hand-guided cell; see `puma_septic.paths.ToolLimits`.
 
     Returns
     -------
@@ -382,7 +404,10 @@ def assess(
         raise InputError(f"dwell = {dwell:g} s: the motion ends moving (rest_after=False), so no rest can follow it")
     if floor is not None:
         floor = checked_number("floor", floor, unit="m")
-    return Assessment(motion=motion, dwell=dwell, floor=floor, **joint_metrics(motion, dwell))
+    if not (tool_limits is None or isinstance(tool_limits, ToolLimits)):
+        raise InputError(f"tool_limits: expected paths.ToolLimits, got {tool_limits!r}")
+    metrics = joint_metrics(motion, dwell)
+    return Assessment(motion=motion, dwell=dwell, floor=floor, tool_limits=tool_limits, **metrics)
 
 
 def _below_base_remarks(assessment: Assessment) -> tuple[str, ...]:

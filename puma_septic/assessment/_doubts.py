@@ -36,5 +36,6 @@ def unit_doubts(robot: Robot, trajectory: Trajectory) -> tuple[str, ...]:
     bounds = "" if unbounded[j] else f", its bounds are [{lower[j]:.3g}, {upper[j]:.3g}] rad"
     return (
         f"points in degrees? {robot.joint_names[j]} reaches {reach[j]:.4g} rad, {reach[j] / (2 * np.pi):.3g} turns"
-        f"{bounds}; {reach[j]:.4g} deg would be {np.radians(reach[j]):.3g} rad",
+        f"{bounds}; {reach[j]:.4g} deg would be {np.radians(reach[j]):.3g} rad, and a"
+        " task file takes them as joints_deg",
     )

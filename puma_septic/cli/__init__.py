@@ -19,6 +19,7 @@ from puma_septic.cli import (
     _compare,
     _doctor,
     _ik,
+    _init,
     _limits,
     _optimise,
     _paper,
@@ -53,6 +54,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "accelerations": _accelerations,
     "profiles": _profiles,
     "paper": _paper,
+    "init": _init,
 }
 
 
@@ -68,9 +70,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     -------
     int
         0: all shown profiles of the task are feasible (`ik`: each pose has a branch within limits; `paper`: always).
-        1: one of them violates a limit. 2: bad input, told in one line on stderr; a pose out of reach is one, and so is
-        a place that cannot be written to. 3: undecided; the noise or the units of a recorded motion leave
-        open whether it keeps its limits. 70: a fault of the program itself, with what to report. 130: interrupted.
+        1: one of them violates a limit. 2: bad input, told on stderr, one line for each fault; a pose out of reach is
+        one, and so is a place that cannot be written to. 3: undecided; the noise or the units of a recorded motion
+        leave open whether it keeps its limits. 70: a fault of the program itself, with what to report. 130:
+        interrupted.
     """
     given = list(sys.argv[1:] if argv is None else argv)
     try:
@@ -94,9 +97,14 @@ def _answered(given: list[str]) -> int:
         is_text = getattr(arguments, "format", "text") == "text"
         _write(spelt(answer.text) if is_text else answer.text)
     except PumaSepticError as error:
-        _complain(f"puma-septic: error: {spelt(' '.join(str(error).split()))}\n")
+        _complain(f"puma-septic: error: {spelt(_told(error))}\n")
         return BAD_INPUT
     return answer.exit_code
+
+
+def _told(error: PumaSepticError) -> str:
+    """In one line; where a list of faults is told, one line for each."""
+    return "\n  ".join(" ".join(line.split()) for line in str(error).split("\n  "))
 
 
 def _write(text: str) -> None:

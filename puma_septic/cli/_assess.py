@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 
 from puma_septic.cli._numbers import share
-from puma_septic.cli._output_arguments import add_format, add_out, add_verbose
+from puma_septic.cli._output_arguments import add_format, add_out, add_verbose, add_write
 from puma_septic.cli._parser import Answer
 from puma_septic.cli._recording_arguments import add_recording
 from puma_septic.cli._task_arguments import add_dwell, add_payload, add_profile, add_task
@@ -15,7 +15,7 @@ __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]
 SUMMARY = "torque, jerk and limits of a task's profiles"
 
 DESCRIPTION = """\
-Assess the profiles of a task: what each joint does and needs, checked against its limits.
+Assess the profiles of a task, or the motions of its cycle: what each joint does and needs, checked against its limits.
 
 Without TASK: the paper's pick-and-place with septic, LSPB and three-segment quintic side by side, why no
 branch of the inverse kinematics keeps the limits, and then the same points with the tool turned, where
@@ -42,6 +42,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_verbose(parser)
     add_format(parser, "text", "json", "csv")
     add_out(parser, "report.html, JSON, CSV and figures")
+    add_write(parser, "the motion of the first profile, or the whole cycle,")
     parser.add_argument("--no-png", action="store_true", help="with --out: no PNG figures, which take seconds")
     add_recording(parser)
 

@@ -8,13 +8,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from puma_septic.assessment import Assessment
+from puma_septic.cli._assess_cycle import cycle_answer
+from puma_septic.cli._motion_file import check_place, write_motion
 from puma_septic.cli._output_arguments import with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._task_arguments import asked_task
 from puma_septic.cli._task_text import assessed_text, turned_text
 from puma_septic.pictures import assessment_pictures
 from puma_septic.report import assess_document, metrics_csv, new_folder, profile_labels, samples_csv, to_json
-from puma_septic.task import ResolvedTask, assess_task, resolve_task
+from puma_septic.task import ResolvedTask, Task, assess_task, resolve_task
 
 __all__ = ["answer"]
 
@@ -24,8 +26,16 @@ Assessed = tuple[ResolvedTask, tuple[Assessment, ...]]
 
 def answer(arguments: Namespace) -> Answer:
     """Assess the asked task; without one, the paper's task and then the one with the tool turned."""
-    asked = [_assessed(arguments, PAPER)]
-    shown = asked if arguments.task is not None else [*asked, _assessed(arguments, TURNED)]
+    task = asked_task(arguments, PAPER, profiles=arguments.profile)
+    if task.cycle:
+        return cycle_answer(arguments, task)
+    check_place(arguments)
+    asked = [_assessed(task)]
+    shown = (
+        asked
+        if arguments.task is not None
+        else [*asked, _assessed(asked_task(arguments, TURNED, profiles=arguments.profile))]
+    )
     if arguments.format == "json":
         text = to_json(assess_document(shown))
     elif arguments.format == "csv":
@@ -36,14 +46,16 @@ def answer(arguments: Namespace) -> Answer:
         text = "\n\n".join(parts)
     if arguments.out is not None:
         _write_folder(arguments, shown)
+    if arguments.write is not None:
+        write_motion(arguments, asked[0][0].trajectories[0], asked[0][0].robot)
     if any(one.undecided for one in asked[0][1]):
         return Answer(with_report(text, arguments), UNDECIDED)
     is_feasible = not any(one.keeps(arguments.margin) for one in asked[0][1])
     return Answer(with_report(text, arguments), 0 if is_feasible else 1)
 
 
-def _assessed(arguments: Namespace, default: str) -> Assessed:
-    resolved = resolve_task(asked_task(arguments, default, profiles=arguments.profile))
+def _assessed(task: Task) -> Assessed:
+    resolved = resolve_task(task)
     return resolved, assess_task(resolved)
 
 

@@ -41,6 +41,7 @@ from puma_septic.ros import (
     recorded_topics,
     write_message,
 )
+from puma_septic.task import load_task
 from puma_septic.validation import checked_number
 
 __all__ = ["answer"]
@@ -129,6 +130,10 @@ def _checked(
         for planned in read_joint_trajectories(path, robot, start=start, topic=topic):
             yield _held(path, robot, planned, how)
     except JointTrajectoryError as error:
+        if _is_task(path):
+            how_else = f"puma-septic assess {path} assesses it, with --write it makes a JointTrajectory of it"
+            yield _invalid(path, [Reason(code="no_trajectory", message=f"a task file, no JointTrajectory: {how_else}")])
+            return
         faults = [
             Reason(
                 code=fault.code,
@@ -141,6 +146,14 @@ def _checked(
         yield _invalid(path, faults)
     except PumaSepticError as error:
         yield _invalid(path, [_refusal("unreadable", error)])
+
+
+def _is_task(path: str) -> bool:
+    try:
+        load_task(Path(path))
+    except PumaSepticError:
+        return False
+    return True
 
 
 def _held(path: str, robot: Robot, planned: PlannedTrajectory, how: tuple[float, tuple[str, ...]]) -> _Checked:

@@ -6,6 +6,7 @@ import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from puma_septic.cli._output_arguments import add_format, add_out
@@ -33,6 +34,7 @@ in full, and violated limits are named. Exit code: 0 every motion shown keeps al
 violates a limit, 2 bad input or no motion keeps the limits to respect."""
 
 EXAMPLES = """optimise task.yaml --objective duration
+optimise task.yaml --objective rms_torque --write best.yaml
 optimise task.yaml --objective rms_torque --objective integral_of_squared_jerk --size 20"""
 
 
@@ -76,6 +78,12 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--size", type=int, default=12, metavar="N", help="number of Pareto-front points (default: 12)")
     add_format(parser, "text", "json")
     add_out(parser, "JSON and figures")
+    parser.add_argument(
+        "--write",
+        metavar="FILE",
+        help="write the optimum as a task with its times (.yaml), which every command reads, or as a ROS"
+        " JointTrajectory (.json), which check reads; --force replaces a file",
+    )
 
 
 def run(arguments: Namespace) -> Answer:
@@ -86,6 +94,7 @@ def run(arguments: Namespace) -> Answer:
 
     if arguments.profile and len(arguments.profile) > 1:
         raise InputError(f"--profile: one profile is optimised at a time, got {', '.join(arguments.profile)}")
+    _check_write(arguments)
     task = asked_task(arguments, "paper", profiles=arguments.profile)
     resolved = resolve_task(task)
     with _progress() as progress:
@@ -93,8 +102,58 @@ def run(arguments: Namespace) -> Answer:
     document = to_json(result.to_dict())
     if arguments.out is not None:
         _write_folder(arguments, result, document)
+    if arguments.write is not None:
+        _write_optimum(arguments, resolved, result)
     text = document if arguments.format == "json" else f"Task {task.name!r}\n{result}"
     return Answer(text, 0 if _is_feasible(result) else 1)
+
+
+def _check_write(arguments: Namespace) -> None:
+    """Refuse what cannot be written before the search."""
+    from puma_septic.cli._motion_file import check_place
+    from puma_septic.errors import InputError
+
+    if arguments.write is None:
+        return
+    check_place(arguments)
+    if len(arguments.objective or ()) > 1:
+        raise InputError("--write: a Pareto front has many optima; choose one objective")
+    if not arguments.write.endswith((".yaml", ".yml", ".json")):
+        raise InputError(f"--write {arguments.write}: name a task, .yaml, or a JointTrajectory, .json")
+
+
+def _write_optimum(arguments: Namespace, resolved: ResolvedTask, result: Result) -> None:
+    """The task with the optimum's times, or the motion itself."""
+    from puma_septic.cli._motion_file import write_motion
+    from puma_septic.errors import InputError
+    from puma_septic.optimisation import ParetoFront
+    from puma_septic.task import make_task, resolve_task, task_text
+
+    if isinstance(result, ParetoFront):
+        return
+    found = result.trajectory
+    if arguments.write.endswith(".json"):
+        write_motion(arguments, found, resolved.robot)
+        return
+    document = resolved.task.document()
+    document.pop("durations", None)
+    free = {key: value.tolist() for key, value in getattr(result, "free_values", {}).items()}
+    choice = {"name": resolved.task.profiles[0].name, **resolved.task.profiles[0].options, **free}
+    best = make_task({**document, "times": found.times.tolist(), "profiles": [choice]}, origin=resolved.task.origin)
+    if not _is_same(resolve_task(best).trajectories[0], found):
+        raise InputError(
+            f"--write {arguments.write}: no task says this optimum, of which more than times was free; .json"
+        )
+    Path(arguments.write).write_text(task_text(best, comment="Found by puma-septic optimise."), encoding="utf-8")
+
+
+def _is_same(one: Trajectory, other: Trajectory) -> bool:
+    """Whether two motions are one, to the digits that a file keeps."""
+    import numpy as np
+
+    t = np.linspace(0.0, min(one.duration, other.duration), 201)
+    near = np.allclose(one(t), other(t), rtol=0.0, atol=1e-9)
+    return bool(near and abs(one.duration - other.duration) <= 1e-9 * other.duration)
 
 
 def _write_folder(arguments: Namespace, result: Result, document: str) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-__all__ = ["add_force", "add_format", "add_out", "add_verbose", "with_report"]
+__all__ = ["add_force", "add_format", "add_out", "add_verbose", "add_write", "with_report"]
 
 
 def add_format(parser: ArgumentParser, *formats: str) -> None:
@@ -36,3 +36,12 @@ def with_report(text: str, arguments: Namespace) -> str:
 def add_force(parser: ArgumentParser, option: str) -> None:
     """``--force``, without which nothing is overwritten."""
     parser.add_argument("--force", action="store_true", help=f"with {option}: replace files that exist")
+
+
+def add_write(parser: ArgumentParser, what: str) -> None:
+    """``--write``, the file that a motion goes to."""
+    parser.add_argument(
+        "--write",
+        metavar="FILE",
+        help=f"write {what} as a ROS JointTrajectory (.yaml, .json), which check reads; --force replaces a file",
+    )

@@ -72,7 +72,7 @@ def _shown(arguments: Namespace) -> tuple[Sequence[Assessment], str]:
     """The profiles of a task, or the motion of a file, and their title."""
     from puma_septic.assessment import assess
     from puma_septic.errors import InputError
-    from puma_septic.task import assess_task, resolve_task
+    from puma_septic.task import assess_task, resolve_cycle, resolve_task
 
     if arguments.csv is not None:
         if arguments.profile is not None:
@@ -81,5 +81,9 @@ def _shown(arguments: Namespace) -> tuple[Sequence[Assessment], str]:
 
         what = recorded(arguments)
         return [assess(what.motion)], f"{what.path}, {what.robot.name}"
-    resolved = resolve_task(asked_task(arguments, "paper", profiles=arguments.profile))
+    task = asked_task(arguments, "paper", profiles=arguments.profile)
+    if task.cycle:
+        cycle = resolve_cycle(task)
+        return [cycle.assess().whole], f"{task.name}, {cycle.robot.name}"
+    resolved = resolve_task(task)
     return assess_task(resolved), f"{resolved.task.name}, {resolved.robot.name}"

@@ -16,8 +16,8 @@ __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]
 SUMMARY = "check or select motors and gearboxes for a duty cycle"
 
 DESCRIPTION = """\
-Check or select motors and gearboxes for a duty cycle: the task's first profile, rest, then back along the same
-path unloaded, rest; or for the load cases that the task lists.
+Check or select motors and gearboxes for a duty cycle: the task's own, or its first profile, rest, then back along the
+same path unloaded, rest; or for the load cases that the task lists.
 
 Without --catalogue the arm's own drives are checked; with it, every pair of motor and gearbox at every joint.
 Exit code: 0 every known limit is kept (or there is a pair for every joint), 1 one is violated, 2 bad input, 3 nothing

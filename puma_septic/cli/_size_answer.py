@@ -27,8 +27,8 @@ from puma_septic.report import new_folder, to_json
 from puma_septic.report.csv import bill_csv, checks_csv, load_profile_csv, motor_profile_csv, pairs_csv
 from puma_septic.report.folder import file_names
 from puma_septic.robot import load_drivetrains, load_electronics
-from puma_septic.sizing import LoadCase, Selection, Sizing, conditions_of, load_cases_of, size
-from puma_septic.task import ConditionsSection, Task, make_task, resolve_task
+from puma_septic.sizing import LoadCase, Selection, Sizing, conditions_of, cycle_case, load_cases_of, size
+from puma_septic.task import ConditionsSection, Task, make_task, resolve_cycle, resolve_task
 
 __all__ = ["answer"]
 
@@ -84,7 +84,10 @@ def _asked(arguments: Namespace) -> _Asked:
     """The cycle of a task, or of a recorded motion as it is, with the asked rest."""
     if arguments.csv is None:
         task = asked_task(arguments, "paper", profiles=arguments.profile)
-        resolved = resolve_task(_under_conditions(task, arguments))
+        task = _under_conditions(task, arguments)
+        if task.cycle:
+            return _asked_cycle(task, arguments)
+        resolved = resolve_task(task)
         doubts = list(assess(resolved.robot, resolved.trajectories[0]).undecided)
         return _Asked(
             name=resolved.task.name,
@@ -118,6 +121,22 @@ def _under_conditions(task: Task, arguments: Namespace) -> Task:
     if not asked:
         return task
     return make_task({**document, "conditions": {**document.get("conditions", {}), **asked}}, origin=task.origin)
+
+
+def _asked_cycle(task: Task, arguments: Namespace) -> _Asked:
+    """The cycle that a task has written down."""
+    if arguments.one_way:
+        raise InputError("--one-way does not go with a cycle, which says itself how the arm comes back")
+    resolved = resolve_cycle(task)
+    doubts = list(resolved.assess().whole.undecided)
+    return _Asked(
+        name=task.name,
+        cases=(cycle_case(resolved),),
+        conditions=task.conditions,
+        head=f"Task {task.name!r}{_questions(doubts)}",
+        document={"task": task.document(), **({"undecided": doubts} if doubts else {})},
+        code=UNDECIDED if doubts else 0,
+    )
 
 
 def _asked_conditions(arguments: Namespace) -> dict[str, Any]:

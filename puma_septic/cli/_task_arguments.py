@@ -104,6 +104,8 @@ def asked_task(arguments: Namespace, default: str, *, profiles: Sequence[str] | 
         changes["payload"] = {"mass": arguments.payload}
     if getattr(arguments, "dwell", None) is not None:
         changes["dwell"] = arguments.dwell
+    if profiles and task.cycle:
+        raise InputError(f"--profile does not go with a cycle: in {task.origin} each move has its own")
     if profiles:
         given = document["profiles"]
         changes["profiles"] = [

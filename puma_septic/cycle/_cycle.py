@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from puma_septic.assessment import impulses
-from puma_septic.cycle._steps import Dwell, Stretch, check_join, check_steps, gaps, gravity, inertia, stretch
-from puma_septic.motion import Motion, compute_motion
+from puma_septic.cycle._steps import Dwell, Stretch, check_join, check_steps, gaps, gravity, inertia, moved, stretch
+from puma_septic.motion import Motion, compute_motion, joined
 from puma_septic.piecewise import Jumps, Piecewise
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_number
 
-__all__ = ["Cycle", "with_return"]
+__all__ = ["Cycle", "way_back", "with_return"]
 
 
 @final
@@ -98,6 +98,11 @@ class Cycle:
             rest_after=_rests(self.steps[-1], "after"),
             resolution=np.max([step.resolution for step in self._stretches], axis=0),
         )
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The whole cycle as one motion, each stretch with what the arm carries there."""
+        return joined([moved(self.steps, k) for k in range(len(self.steps))], self.trajectory)
 
     @cached_property
     def torque(self) -> Piecewise:
@@ -199,6 +204,23 @@ def with_return(motion: Motion, *, dwell: float = 0.0, robot_back: Robot | None 
     >>> with_return(there, dwell=0.5).is_periodic
     True
     """
+    rest = [Dwell(duration=dwell)] if checked_number("dwell", dwell, unit="s", at_least=0.0) else []
+    return Cycle(steps=(motion, *rest, way_back(motion, robot_back), *rest))
+
+
+def way_back(motion: Motion, robot: Robot | None = None) -> Motion:
+    """The same path in reversed time.
+
+    Parameters
+    ----------
+    motion : Motion
+    robot : Robot, optional
+        The same arm with what it carries on the way back; the motion's own by default.
+
+    Returns
+    -------
+    Motion
+    """
     trajectory = motion.trajectory
     back = replace(
         trajectory,
@@ -209,5 +231,4 @@ def with_return(motion: Motion, *, dwell: float = 0.0, robot_back: Robot | None 
         rest_before=trajectory.rest_after,
         rest_after=trajectory.rest_before,
     )
-    rest = [Dwell(duration=dwell)] if checked_number("dwell", dwell, unit="s", at_least=0.0) else []
-    return Cycle(steps=(motion, *rest, compute_motion(robot_back or motion.robot, back), *rest))
+    return compute_motion(robot or motion.robot, back)

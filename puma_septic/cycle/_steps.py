@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 import numpy as np
@@ -13,9 +13,10 @@ from puma_septic.errors import InputError
 from puma_septic.motion import Motion, Rest, compute_motion
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Actuator, Payload, Robot
+from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_number
 
-__all__ = ["Dwell", "Stretch", "check_join", "check_steps", "gaps", "gravity", "inertia", "stretch"]
+__all__ = ["Dwell", "Stretch", "check_join", "check_steps", "gaps", "gravity", "inertia", "moved", "stretch"]
 
 # Steps join where position and velocity differ by less than this part of their largest values (at least 1 rad and
 # 1 rad/s): some thousand roundings of a polynomial's end value.
@@ -116,21 +117,37 @@ def stretch(steps: tuple[Motion | Dwell, ...], k: int) -> Stretch:
 
 def _dwell_stretch(steps: tuple[Motion | Dwell, ...], k: int, dwell: Dwell) -> Stretch:
     """Held where the motion before ends, or the one after begins."""
+    rest = _rest(steps, k, dwell)
+    return Stretch(
+        robot=rest.robot,
+        position=rest.position,
+        torque=rest.torque,
+        load=rest.load,
+        direction=np.zeros((1, rest.robot.n_joints)),
+        resolution=np.zeros(rest.robot.n_joints),
+        braked=dwell.holding_brake,
+        label=f"steps[{k}] (dwell, {dwell.duration:g} s)",
+    )
+
+
+def _rest(steps: tuple[Motion | Dwell, ...], k: int, dwell: Dwell) -> Rest:
     before = [step for step in steps[:k] if isinstance(step, Motion)]
     motion = before[-1] if before else next(step for step in steps if isinstance(step, Motion))
     robot = motion.robot if dwell.payload is None else motion.robot.with_payload(dwell.payload)
     q = motion.trajectory(motion.trajectory.breaks[-1 if before else 0])
-    rest = Rest(robot=robot, q=q, duration=dwell.duration, is_braked=dwell.holding_brake)
-    return Stretch(
-        robot=robot,
-        position=rest.position,
-        torque=rest.torque,
-        load=rest.load,
-        direction=np.zeros((1, robot.n_joints)),
-        resolution=np.zeros(robot.n_joints),
-        braked=dwell.holding_brake,
-        label=f"steps[{k}] (dwell, {dwell.duration:g} s)",
-    )
+    return Rest(robot=robot, q=q, duration=dwell.duration, is_braked=dwell.holding_brake)
+
+
+def moved(steps: tuple[Motion | Dwell, ...], k: int) -> Motion:
+    """Step k as a motion from time 0 on, a rest too."""
+    step = steps[k]
+    if isinstance(step, Motion):
+        return step
+    rest = _rest(steps, k, step)
+    ends = np.array([0.0, step.duration])
+    held = Trajectory(position=rest.position, points=np.stack([rest.q, rest.q]), times=ends, profile="dwell")
+    motion = compute_motion(rest.robot, held)
+    return replace(motion, torque=motion.torque * 0.0) if rest.is_braked else motion
 
 
 def _without_drives(robot: Robot) -> Robot:

@@ -217,11 +217,11 @@ def tool_derivatives(robot: Robot, q: Array, rates: Sequence[Array]) -> tuple[Ar
     for column, factor, slides, frame in joints:
         lever = frame[3] - origin
         origin = origin + lever
-        axis, levers = _turning(frame[2], angular), _turning(lever, angular)
+        # Lever and axis turn with the same link: together they cost little more than one of them.
+        turned = _turning(np.stack([lever, np.broadcast_to(frame[2], lever.shape)], axis=1), angular)
+        levers, axis = [both[:, 0] for both in turned], [both[:, 1] for both in turned]
         added = [
-            sum(comb(k + slides, i) * axis[i] * (factor * rates[k - i][column]) for i in range(k + 1))
-            + np.zeros_like(origin)
-            for k in orders
+            sum(comb(k + slides, i) * axis[i] * (factor * rates[k - i][column]) for i in range(k + 1)) for k in orders
         ]
         for k in orders:
             linear[k] = linear[k] + levers[k + 1] + (added[k] if slides else 0.0)
@@ -234,7 +234,11 @@ def tool_derivatives(robot: Robot, q: Array, rates: Sequence[Array]) -> tuple[Ar
 def _turning(vector: Array, angular: Sequence[Array]) -> list[Array]:
     """The vector of a body and its derivatives, one more than there are of the body's turning."""
     derivatives = [np.array(vector)]
+    spins = [spin if vector.ndim == 2 else spin[:, None] for spin in angular]
     for k in range(len(angular)):
-        terms = [comb(k, i) * cross(angular[i], derivatives[k - i]) for i in range(k + 1)]
-        derivatives.append(np.sum(terms, axis=0) if k else terms[0])
+        total = cross(spins[0], derivatives[k])
+        for i in range(1, k + 1):
+            term = cross(spins[i], derivatives[k - i])
+            total += term if i == k else comb(k, i) * term
+        derivatives.append(total)
     return derivatives

@@ -6,11 +6,12 @@ from puma_septic.paths._laws import at_speed, in_time
 from puma_septic.paths._move import timed, tool_move
 from puma_septic.paths._path import Path
 from puma_septic.paths._polyline import polyline
-from puma_septic.paths._tool import ToolRates, tool_rates
+from puma_septic.paths._tool import ToolLimits, ToolRates, tool_rates
 
 __all__ = [
     "JointPath",
     "Path",
+    "ToolLimits",
     "ToolRates",
     "arc",
     "at_speed",

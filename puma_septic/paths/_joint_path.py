@@ -118,9 +118,9 @@ def follow(
     """
     conditions = _CONDITIONS[checked_choice("constrain", constrain, tuple(_CONDITIONS))]
     near = None if start is None else checked_joint_values(robot, "start", np.ravel(np.asarray(start)))[0]
+    if conditions == 6 and has_closed_form(robot):  # which only arms of six joints and full rank have
+        return _on_branch(Follower(robot=robot, conditions=6, rank=6), path, branch, near)
     follower = Follower.of(robot, conditions)
-    if conditions == 6 and has_closed_form(robot):
-        return _on_branch(follower, path, branch, near)
     if branch is not None:
         raise InputError(f"branch = {branch!r}: {robot.name} has no named branches here; give a start posture")
     if near is None:

@@ -15,7 +15,7 @@ from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_choice, checked_number
 
-__all__ = ["ToolRates", "tool_rates"]
+__all__ = ["ToolLimits", "ToolRates", "tool_rates"]
 
 # Each quantity: where its vector stands among the components, the joints' derivative that makes it unbounded, its unit.
 _QUANTITIES: Final = {
@@ -24,6 +24,48 @@ _QUANTITIES: Final = {
     "jerk": (2, 3, "m/s^3"),
     "angular speed": (3, 1, "rad/s"),
 }
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class ToolLimits:
+    """What the tool may do at most, whatever its joints may: a hand-guided cell's speed, that of a process.
+
+    Parameters
+    ----------
+    speed, acceleration, jerk, angular_speed : float, optional
+        Largest values allowed, positive: m/s, m/s^2, m/s^3, rad/s; at least one.
+    source : str
+        Where they come from.
+
+    Raises
+    ------
+    InputError
+        For a limit that is not positive, or none at all.
+
+    Examples
+    --------
+    >>> ToolLimits(speed=0.25, source="manual reduced speed, ISO 10218-1:2011, 5.6.2").known
+    {'speed': 0.25}
+    """
+
+    speed: float | None = None
+    acceleration: float | None = None
+    jerk: float | None = None
+    angular_speed: float | None = None
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.known:
+            raise InputError("tool limits: give one of speed, acceleration, jerk or angular_speed")
+        for quantity, limit in self.known.items():
+            checked_number(quantity.replace(" ", "_"), limit, unit=_QUANTITIES[quantity][2], above=0.0)
+
+    @property
+    def known(self) -> dict[str, float]:
+        """The limits that are given, by quantity."""
+        every = {quantity: getattr(self, quantity.replace(" ", "_")) for quantity in _QUANTITIES}
+        return {quantity: limit for quantity, limit in every.items() if limit is not None}
 
 
 @final
@@ -72,46 +114,21 @@ class ToolRates:
         extrema = self.square(quantity).extrema()
         return float(np.sqrt(extrema.max[0])), float(extrema.t_max[0])
 
-    def checks(
-        self,
-        *,
-        speed: float | None = None,
-        acceleration: float | None = None,
-        jerk: float | None = None,
-        angular_speed: float | None = None,
-        source: str = "",
-    ) -> tuple[LimitCheck, ...]:
+    def checks(self, limits: ToolLimits) -> tuple[LimitCheck, ...]:
         """The peaks held against limits, such as 0.25 m/s of a cell that is guided by hand.
-
-        Parameters
-        ----------
-        speed, acceleration, jerk, angular_speed : float, optional
-            Largest values allowed, positive: m/s, m/s^2, m/s^3, rad/s.
-        source : str
-            Where they come from.
 
         Returns
         -------
         tuple of LimitCheck
-            One for each limit given, of the "joint" tool.
-
-        Raises
-        ------
-        InputError
-            For a limit that is not positive, or none at all.
+            One for each limit that is known, of the "joint" tool.
         """
-        limits = {"speed": speed, "acceleration": acceleration, "jerk": jerk, "angular speed": angular_speed}
-        given = {name: limit for name, limit in limits.items() if limit is not None}
-        if not given:
-            raise InputError("checks: give a limit of speed, acceleration, jerk or angular_speed")
-        return tuple(self._check(name, limit, source) for name, limit in given.items())
+        return tuple(self._check(name, limit, limits.source) for name, limit in limits.known.items())
 
     def _check(self, quantity: str, limit: float, source: str) -> LimitCheck:
         unit = _QUANTITIES[quantity][2]
-        allowed = checked_number(quantity.replace(" ", "_"), limit, unit=unit, above=0.0)
         demand, time = self.peak(quantity)
         return LimitCheck.of_magnitude(
-            joint="tool", quantity=quantity, demand=demand, limit=allowed, unit=unit, time=time, source=source
+            joint="tool", quantity=quantity, demand=demand, limit=limit, unit=unit, time=time, source=source
         )
 
 

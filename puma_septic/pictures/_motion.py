@@ -9,7 +9,7 @@ import numpy as np
 
 from puma_septic.assessment import Assessment
 from puma_septic.dynamics import TERMS
-from puma_septic.kinematics import forward_kinematics
+from puma_septic.kinematics import forward_kinematics, singularity_distances, singularity_names
 from puma_septic.pictures._elements import (
     NEGLIGIBLE,
     UNKNOWN,
@@ -19,6 +19,7 @@ from puma_septic.pictures._elements import (
     Panel,
     Picture,
     Range,
+    Rule,
     chart,
     saying,
 )
@@ -34,6 +35,7 @@ __all__ = [
     "derivative_picture",
     "motion_pictures",
     "profile_entries",
+    "singularity_picture",
     "tool_picture",
     "torque_picture",
     "torque_speed_picture",
@@ -44,6 +46,8 @@ __all__ = [
 _NO_TORQUE: Final = "torque not known: the URDF has no usable inertia for what this joint moves"
 VIA: Final = Dot(shape="via")
 TOTAL: Final = Line(hue=INK, width=2.1)
+# What the distance to a kind of singular posture is, see `singularity_distances`; of others it is a determinant.
+_MEASURES: Final = {"shoulder": "distance [m]", "elbow": "sine [1]", "wrist": "sine [1]"}
 _NOTES: Final = (
     "Circles are the points of the task; dashed: the limits.",
     "",
@@ -61,6 +65,7 @@ def motion_pictures(group: Sequence[Samples]) -> tuple[Picture, ...]:
         *(torque_split_picture(one, k) for k, one in enumerate(group)),
         torque_speed_picture(group),
         tool_picture(group),
+        singularity_picture(group),
         *(derivative_picture(tracks, order, robot) for order in range(4)),
     )
 
@@ -227,16 +232,58 @@ def tool_picture(group: Sequence[Samples]) -> Picture:
     ]
     panels += [
         chart("time", heights, title=f"height of {tool}", y_label="z [m]", span=_span(group), marks=vias),
-        chart("time", speeds, title=f"speed of {tool}", y_label="speed [m/s]", span=_span(group)),
+        chart(
+            "time",
+            speeds,
+            title=f"speed of {tool}",
+            y_label="speed [m/s]",
+            span=_span(group),
+            limits=(np.nan, _speed_limit(group)),
+            limits_always=True,
+        ),
     ]
     return Picture(
         name="tool",
         title="Tool",
         panels=tuple(panels),
         columns=2,
-        legend=(*profile_entries(one.label for one in group), Entry("via point", VIA)),
+        legend=(*profile_entries(one.label for one in group), Entry("via point", VIA), *_limit_entry(panels)),
         note="In the world; circles are the points that the task asks for.",
     )
+
+
+def singularity_picture(group: Sequence[Samples]) -> Picture:
+    """How far each motion is from each kind of singular posture, over time; zero is one."""
+    robot = group[0].assessment.motion.robot
+    measures = [singularity_distances(robot, one.track.signals[0]) for one in group]
+    panels = [
+        chart(
+            "time",
+            [
+                _curve(one.t, values[:, kind], k, one.label)
+                for k, (one, values) in enumerate(zip(group, measures, strict=True))
+            ],
+            title=name,
+            y_label=_MEASURES.get(name, "measure [SI]"),
+            span=_span(group),
+            levels=[Rule(at=0.0)],
+        )
+        for kind, name in enumerate(singularity_names(robot))
+    ]
+    return Picture(
+        name="singularity",
+        title="Distance to singular postures",
+        panels=tuple(panels),
+        legend=(*profile_entries(one.label for one in group), Entry("singular", LIMIT)),
+        note="Of each kind its measure, which is zero where the posture is singular (dashed).",
+    )
+
+
+def _speed_limit(group: Sequence[Samples]) -> float:
+    """The lowest limit of the tool's speed that one of the motions has, m/s; NaN where none has one."""
+    limits = [one.assessment.tool_limits for one in group]
+    known = [one.speed for one in limits if one is not None and one.speed is not None]
+    return min(known, default=np.nan)
 
 
 def via_places(one: Samples) -> Array:

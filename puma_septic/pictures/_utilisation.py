@@ -27,7 +27,11 @@ def utilisation_picture(assessments: Sequence[Assessment], labels: Sequence[str]
     found = {(check.quantity, check.joint, k): check for k, one in enumerate(assessments) for check in one.checks}
     joints = assessments[0].motion.robot.joint_names
     panels = tuple(
-        _panel(quantity, joints, [[found.get((quantity, joint, k)) for k in range(len(labels))] for joint in joints])
+        _panel(
+            QUANTITIES[quantity].label,
+            joints,
+            [[found.get((quantity, joint, k)) for k in range(len(labels))] for joint in joints],
+        )
         for quantity in QUANTITIES
         if any(key[0] == quantity for key in found)
     )
@@ -35,7 +39,7 @@ def utilisation_picture(assessments: Sequence[Assessment], labels: Sequence[str]
     return Picture(
         name="utilisation",
         title="Limit utilisation",
-        panels=panels,
+        panels=(*panels, *_tool_panel(assessments)),
         legend=(
             *(Entry(label, Fill(hue=profile_line(k).hue)) for k, label in enumerate(labels)),
             Entry("limit", LIMIT),
@@ -64,11 +68,19 @@ def percent_text(utilisation: float, *, is_violated: bool = False) -> str:
     return f"{size} !" if is_violated else size
 
 
-def _panel(quantity: str, joints: Sequence[str], checks: Sequence[Sequence[LimitCheck | None]]) -> Panel:
+def _tool_panel(assessments: Sequence[Assessment]) -> tuple[Panel, ...]:
+    """The tool's limits, a row for each; no panel where there are none."""
+    found = {(check.quantity, k): check for k, one in enumerate(assessments) for check in one.tool_checks}
+    rows = list(dict.fromkeys(quantity for quantity, _ in found))
+    checks = [[found.get((quantity, k)) for k in range(len(assessments))] for quantity in rows]
+    return (_panel("tool", rows, checks),) if rows else ()
+
+
+def _panel(title: str, rows: Sequence[str], checks: Sequence[Sequence[LimitCheck | None]]) -> Panel:
     return bars(
-        QUANTITIES[quantity].label,
+        title,
         "limit utilisation [%]",
-        rows=joints,
+        rows=rows,
         bars=[_bar(row[k], j, k) for k in range(len(checks[0])) for j, row in enumerate(checks)],
         end=END,
         limit=100.0,

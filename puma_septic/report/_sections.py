@@ -10,6 +10,7 @@ from markupsafe import Markup
 
 from puma_septic.assessment import Assessment, assess
 from puma_septic.comparison import Comparison
+from puma_septic.cycle import CycleAssessment
 from puma_septic.errors import InputError
 from puma_septic.motion import Motion
 from puma_septic.paper import PaperReport
@@ -18,14 +19,15 @@ from puma_septic.pictures.comparison import comparison_picture
 from puma_septic.pictures.sizing import sizing_pictures
 from puma_septic.report._documents import profile_labels
 from puma_septic.sizing import LoadCase, Selection, Sizing
-from puma_septic.task import ResolvedTask
+from puma_septic.task import ResolvedTask, Task
 from puma_septic.views import profiles as view
 from puma_septic.views import selection as selection_view
+from puma_septic.views.cycle import steps_html
 from puma_septic.views.tables import html_table
 
-__all__ = ["Case", "Reported", "case_of", "reason", "task_case"]
+__all__ = ["Case", "Reported", "case_of", "cycle_cases", "reason", "task_case"]
 
-Reported = Assessment | Sequence[Assessment] | Comparison | Sizing | Selection | PaperReport
+Reported = Assessment | Sequence[Assessment] | Comparison | CycleAssessment | Sizing | Selection | PaperReport
 # More curves than colours in one chart are told apart by nobody.
 _MOST_DRAWN: Final = 6
 
@@ -55,6 +57,10 @@ class Case:
         Of a sizing: what repeats it.
     is_undecided : bool
         Whether too little is known of the parts.
+    task : Task or None
+        Of a cycle.
+    no_replay : str
+        Why there is no replay here; "" where there is one.
     """
 
     title: str
@@ -68,6 +74,8 @@ class Case:
     resolved: ResolvedTask | None = None
     inputs: Mapping[str, Any] | None = None
     is_undecided: bool = False
+    task: Task | None = None
+    no_replay: str = ""
 
     @property
     def word(self) -> str:
@@ -104,7 +112,7 @@ def case_of(what: Reported, title: str | None, document: Mapping[str, Any] | Non
         return _selection_case(what, title, what.to_dict() if document is None else document)
     if isinstance(what, PaperReport):
         return _paper_case(what, title)
-    group = (what,) if isinstance(what, Assessment) else tuple(what)
+    group = (what,) if isinstance(what, Assessment) else () if isinstance(what, CycleAssessment) else tuple(what)
     if not group or not all(isinstance(one, Assessment) for one in group):
         raise InputError(f"a report is made of one assessment or a sequence of them, got {what!r}")
     names = {one.motion.robot.joint_names for one in group}
@@ -124,6 +132,42 @@ def task_case(resolved: ResolvedTask, assessments: Sequence[Assessment]) -> Case
         sentence=_sentence(assessments, labels),
         reason=reason(resolved),
         resolved=resolved,
+    )
+
+
+def cycle_cases(assessed: CycleAssessment, title: str | None, task: Task | None = None) -> list[Case]:
+    """The whole cycle, then each motion alone, the governing one first."""
+    whole = assessed.whole
+    named = title or (task.name if task is not None else _titled([whole], None))
+    first = Case(
+        title=named,
+        assessments=(whole,),
+        labels=["cycle"],
+        is_feasible=assessed.is_feasible,
+        sentence=_cycle_sentence(assessed),
+        preface=_boxed(steps_html(assessed.to_dict())),
+        task=task,
+    )
+    return [first, *(_motion_case(assessed, k) for k in assessed.order)]
+
+
+def _cycle_sentence(assessed: CycleAssessment) -> str:
+    """The verdict on the whole, and the step in which its governing limit is reached."""
+    sentence = _sentence([assessed.whole], ["The cycle"])
+    if assessed.worst is None or assessed.whole.undecided:
+        return sentence
+    return f"{sentence} That is in {assessed.names[assessed.governing]!r}."
+
+
+def _motion_case(assessed: CycleAssessment, k: int) -> Case:
+    one, name = assessed.motions[k], assessed.motion_names[k]
+    return Case(
+        title=name,
+        assessments=(one,),
+        labels=profile_labels([one]),
+        is_feasible=one.is_feasible,
+        sentence=_sentence([one], [name]),
+        no_replay="the replay of the whole cycle, above, shows this motion",
     )
 
 

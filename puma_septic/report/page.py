@@ -12,6 +12,7 @@ from markupsafe import Markup
 
 from puma_septic._version import __version__
 from puma_septic.assessment import Assessment
+from puma_septic.cycle import CycleAssessment
 from puma_septic.errors import InputError, ModelError
 from puma_septic.pictures import (
     Entry,
@@ -19,16 +20,17 @@ from puma_septic.pictures import (
     motion_pictures,
     profile_entries,
     samples_of,
+    torque_picture,
     utilisation_picture,
 )
 from puma_septic.report._rendering import render
-from puma_septic.report._sections import Case, Reported, case_of, task_case
-from puma_septic.task import ResolvedTask
+from puma_septic.report._sections import Case, Reported, case_of, cycle_cases, task_case
+from puma_septic.task import ResolvedTask, Task
 from puma_septic.viewer import replay_html
 from puma_septic.views import assessment as assessment_view
 from puma_septic.views import profiles as profiles_view
 
-__all__ = ["report_html", "tasks_html", "write_report"]
+__all__ = ["cycle_html", "report_html", "tasks_html", "write_report"]
 
 # Digits of instants: a microsecond is far below what a picture shows.
 _DIGITS: Final = 6
@@ -73,7 +75,7 @@ def report_html(
 
     Parameters
     ----------
-    what : Assessment, sequence of Assessment, Comparison, Sizing, Selection or PaperReport
+    what : Assessment, sequence of Assessment, Comparison, CycleAssessment, Sizing, Selection or PaperReport
         Of one arm. Of a comparison the best profiles are drawn, and all are in its tables.
     title : str, optional
         Heading; the robot's name by default.
@@ -99,6 +101,8 @@ def report_html(
     >>> html[:15], "Feasible" in html
     ('<!DOCTYPE html>', True)
     """
+    if isinstance(what, CycleAssessment):
+        return cycle_html(what, title=title)
     case = case_of(what, title, document)
     if notes:
         items = Markup("").join(Markup("<li>{}</li>").format(note) for note in notes)
@@ -146,26 +150,34 @@ def tasks_html(tasks: Sequence[tuple[ResolvedTask, Sequence[Assessment]]]) -> st
     return _page(" and ".join(section.case.title for section in sections), sections)
 
 
+def cycle_html(assessed: CycleAssessment, *, title: str | None = None, task: Task | None = None) -> str:
+    """The report of a cycle: the whole first, then each of its motions, the governing one first."""
+    sections = [_section(case) for case in cycle_cases(assessed, title, task)]
+    return _page(sections[0].case.title, sections)
+
+
 def _page(title: str, sections: Sequence[Section]) -> str:
     return render("page.html.j2", title=title, sections=sections, version=__version__)
 
 
 def _section(case: Case) -> Section:
     assessments, labels, resolved = case.assessments, case.labels, case.resolved
+    task = case.task if resolved is None else resolved.task
     group = [samples_of(one, label) for one, label in zip(assessments, labels, strict=True)]
     documents = [one.to_dict() for one in assessments]
     replay, no_replay = _replay(case)
     repeat, inputs = _inputs(case)
     return Section(
         case=case,
-        description=" ".join(resolved.task.description.split()) if resolved is not None else "",
+        description="" if task is None else " ".join(task.description.split()),
         head=_head(assessments, resolved),
         comparison=Markup(profiles_view.html(documents, labels)) if len(labels) > 1 else Markup(""),
         profiles=profile_entries(labels),
         utilisation=utilisation_picture(assessments, labels),
         replay=replay,
         no_replay=no_replay,
-        pictures=motion_pictures(group),
+        # Of a part of a cycle the torque alone: the rest is in the charts of the whole.
+        pictures=(torque_picture(group),) if case.no_replay else motion_pictures(group),
         tables=[(label, Markup(assessment_view.tables(one))) for label, one in zip(labels, documents, strict=True)],
         not_assessed=_distinct(line for one in assessments for line in one.not_assessed),
         remarks=_distinct(line for one in assessments for line in one.remarks),
@@ -179,6 +191,8 @@ def _section(case: Case) -> Section:
 
 def _replay(case: Case) -> tuple[str, str]:
     """The replay's page, or why there is none: a mesh that cannot be drawn does not take the numbers away."""
+    if case.no_replay:
+        return "", case.no_replay
     try:
         return replay_html(case.assessments, labels=case.labels, title=case.title), ""
     except ModelError as error:
@@ -204,12 +218,13 @@ def _head(assessments: Sequence[Assessment], resolved: ResolvedTask | None) -> s
 
 def _inputs(case: Case) -> tuple[str, str]:
     """How to repeat it, and the inputs with all their digits."""
+    task = case.task if case.resolved is None else case.resolved.task
     if case.inputs:
         how = "The inputs are the task, the files and the options of puma-septic size, and what every part was held to."
         document: Any = case.inputs
-    elif case.resolved is not None:
+    elif task is not None:
         how = "The inputs are a task file: save them as task.yaml and run puma-septic assess task.yaml."
-        document = case.resolved.task.document()
+        document = task.document()
     else:
         how = "The inputs are what the profiles were made from and what was assessed."
         document = [

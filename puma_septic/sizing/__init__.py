@@ -12,7 +12,7 @@ from puma_septic.sizing._ratios import LoadMoments, RatioWindow, accelerating_fa
 from puma_septic.sizing._result import LoadProfile, MotorLoadProfile, Sizing
 from puma_septic.sizing._selection import Selection
 from puma_septic.sizing._size import size
-from puma_septic.sizing._task_cases import conditions_of, load_cases_of
+from puma_septic.sizing._task_cases import conditions_of, cycle_case, load_cases_of
 from puma_septic.sizing._thermal import overload_time
 from puma_septic.sizing._torque_speed import torque_at_speed
 
@@ -35,6 +35,7 @@ __all__ = [
     "allowed_momentary_peaks",
     "average_torque",
     "conditions_of",
+    "cycle_case",
     "joint_load",
     "load_cases_of",
     "load_moments",

@@ -16,9 +16,9 @@ from puma_septic.sizing._conditions import Conditions
 from puma_septic.sizing._emergency_stop import worst_stops
 from puma_septic.sizing._load_cases import LoadCase
 from puma_septic.sizing._worst_poses import worst_poses
-from puma_septic.task import ConditionsSection, LoadCaseSection, ResolvedTask, load_task, resolve_task
+from puma_septic.task import ConditionsSection, LoadCaseSection, ResolvedCycle, ResolvedTask, load_task, resolve_task
 
-__all__ = ["conditions_of", "load_cases_of"]
+__all__ = ["conditions_of", "cycle_case", "load_cases_of"]
 
 _MINUTE: Final = 60.0
 # Keys of the section that shape the cycle and the arm, not the limits.
@@ -75,6 +75,34 @@ def load_cases_of(resolved: ResolvedTask, *, one_way: bool = False) -> tuple[Loa
     if not ordinary:
         raise InputError(f"{resolved.task.origin}: load_cases: one of them must be of the kind 'cycle'")
     return (*ordinary, *(case for case in found if case.is_rare or case.joints))
+
+
+def cycle_case(resolved: ResolvedCycle) -> LoadCase:
+    """The cycle that a task has written down as the only load case.
+
+    The cycle rate of the conditions leaves the rest of the time for a rest at its end.
+
+    Returns
+    -------
+    LoadCase
+
+    Raises
+    ------
+    InputError
+        For a cycle rate that leaves no time for the cycle.
+    """
+    conditions, cycle = resolved.task.conditions or ConditionsSection(), resolved.cycle
+    rate = conditions.cycles_per_minute
+    if rate is None:
+        return LoadCase(name="", cycle=cycle)
+    left = _MINUTE / rate - cycle.duration
+    if left < 0:
+        raise InputError(
+            f"{resolved.task.origin}: conditions.cycles_per_minute = {rate:g}: a cycle has {_MINUTE / rate:.4g} s, but"
+            f" this one takes {cycle.duration:.4g} s; at most {_MINUTE / cycle.duration:.4g} cycles a minute"
+        )
+    rest = (Dwell(duration=left, holding_brake=conditions.brake_at_rest),) if left else ()
+    return LoadCase(name="", cycle=Cycle(steps=(*cycle.steps, *rest)))
 
 
 def _of_cycle(resolved: ResolvedTask, section: LoadCaseSection) -> Iterator[LoadCase]:

@@ -15,7 +15,7 @@ from puma_septic.kinematics import IkSolutions, LowestPoints, inverse_kinematics
 from puma_septic.robot import Robot
 from puma_septic.validation import Array, checked_choice, read_only
 
-__all__ = ["Branch", "Posed", "Waypoint", "are_all_branches", "best_branch", "branches_through"]
+__all__ = ["Branch", "Posed", "Waypoint", "are_all_branches", "best_branch", "branches_through", "ranked_branches"]
 
 # An angle this far beyond its limit stands on it, to rounding, rad.
 _SLACK: Final = 1e-9
@@ -128,15 +128,20 @@ def best_branch(branches: Sequence[Branch], wanted: str, floor: float | None = N
     InputError
         For a name that is not among them, with those that are.
     """
+    return ranked_branches(branches, wanted, floor)[0]
+
+
+def ranked_branches(branches: Sequence[Branch], wanted: str, floor: float | None = None) -> tuple[Branch, ...]:
+    """The named branch alone; for "auto" all, as `best_branch` prefers them."""
     if wanted != "auto":
         names = [branch.configuration for branch in branches]
-        return branches[names.index(checked_choice("branch", wanted, [*names, "auto"]))]
+        return (branches[names.index(checked_choice("branch", wanted, [*names, "auto"]))],)
 
     def rank(branch: Branch) -> tuple[bool, float, float, float]:
         depth = 0.0 if floor is None else branch.depth(floor)
         return depth > 0.0, float(branch.excess.sum()), depth, branch.travel
 
-    return min(branches, key=rank)
+    return tuple(sorted(branches, key=rank))
 
 
 def _positions(robot: Robot, point: Waypoint, name: str, first: int, before: Array | None) -> Array:

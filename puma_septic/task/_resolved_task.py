@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -11,19 +9,15 @@ import numpy as np
 
 from puma_septic import profiles
 from puma_septic.assessment import Assessment, assess
-from puma_septic.errors import InputError, ModelError, NoSolution
-from puma_septic.kinematics import chain_to, forward_kinematics, inverse_kinematics
-from puma_septic.robot import Payload, Robot, Wrench, load_robot
-from puma_septic.task._branches import Branch, Posed, Waypoint, are_all_branches, best_branch, branches_through
-from puma_septic.task._schema import BodySection, Point, Task
+from puma_septic.errors import InputError
+from puma_septic.robot import Robot
+from puma_septic.task._branches import Branch, Posed, are_all_branches, best_branch, branches_through
+from puma_septic.task._scene import named, solve_points, tool_limits
+from puma_septic.task._schema import Task
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, checked_choice, read_only
+from puma_septic.validation import Array, read_only
 
-__all__ = ["ResolvedTask", "assess_task", "resolve_task", "solve_points"]
-
-_WORLD = "world"
-# Joints that carry the tool of an arm that meets all conditions of a pose.
-_FULL = 6
+__all__ = ["ResolvedTask", "assess_task", "resolve_task"]
 
 
 @final
@@ -73,7 +67,7 @@ class ResolvedTask:
     @property
     def has_poses(self) -> bool:
         """Whether any point is a pose, so that there was a branch to choose."""
-        return any(point.joints is None for point in self.task.points)
+        return any(point.is_posed for point in self.task.points)
 
     @property
     def broken_in_all_branches(self) -> tuple[tuple[str, str], ...]:
@@ -125,15 +119,20 @@ def resolve_task(task: Task) -> ResolvedTask:
     """
     if not isinstance(task, Task):
         raise InputError(f"expected a task from load_task, got {task!r}")
+    if task.cycle:
+        raise InputError(
+            f"{task.origin}: a cycle, which assess, size and replay take (in Python resolve_cycle); this needs points"
+            " with times and profiles"
+        )
     robot, waypoints = solve_points(task)
     names = tuple(point.name or f"points[{k}]" for k, point in enumerate(task.points))
     branches = branches_through(robot, waypoints)
-    with _named(task, "branch"):
+    with named(task, "branch"):
         branch = best_branch(branches, task.branch, task.floor)
     times = np.array(task.times if task.times is not None else [0.0, *np.cumsum(task.durations or ())])
     trajectories = []
     for k, choice in enumerate(task.profiles):
-        with _named(task, f"profiles[{k}] ({choice.name})"):
+        with named(task, f"profiles[{k}] ({choice.name})"):
             made = profiles.make(choice.name, branch.q, times, options=choice.options, joint_names=robot.joint_names)
             before, after = made.rest_before and task.rest_before, made.rest_after and task.rest_after
             trajectories.append(replace(made, rest_before=before, rest_after=after))
@@ -150,17 +149,6 @@ def resolve_task(task: Task) -> ResolvedTask:
     )
 
 
-def solve_points(task: Task) -> tuple[Robot, tuple[Waypoint, ...]]:
-    """The task's robot, and each of its points: joint positions as given, a pose with all its solutions.
-
-    Raises what `resolve_task` raises, but for branch and profiles.
-    """
-    robot = _robot(task)
-    with _named(task, "frame"):
-        frame = _world_frame(robot, task.frame)
-    return robot, tuple(_waypoint(robot, frame, task, k) for k in range(len(task.points)))
-
-
 def assess_task(task: Task | ResolvedTask) -> tuple[Assessment, ...]:
     """Assess each profile of a task, in the task's order.
 
@@ -175,144 +163,14 @@ def assess_task(task: Task | ResolvedTask) -> tuple[Assessment, ...]:
     [False, False, False]
     """
     resolved = task if isinstance(task, ResolvedTask) else resolve_task(task)
+    limits = tool_limits(resolved.task)
     return tuple(
-        assess(resolved.robot, trajectory, dwell=resolved.task.dwell, floor=resolved.task.floor)
+        assess(
+            resolved.robot,
+            trajectory,
+            dwell=resolved.task.dwell,
+            floor=resolved.task.floor,
+            tool_limits=limits,
+        )
         for trajectory in resolved.trajectories
     )
-
-
-def _robot(task: Task) -> Robot:
-    section = task.robot
-    with _named(task, "robot"):
-        robot = load_robot(
-            section.source,
-            parameters=section.parameters,
-            limits=section.limits,
-            actuators=section.actuators,
-            tool=section.tool,
-            package_dirs=section.package_dirs,
-            locked=section.locked,
-            links={name: _body(link) for name, link in section.links.items()},
-            gravity=section.gravity,
-        )
-    if task.payload is not None:
-        with _named(task, "payload"):
-            load = task.payload
-            robot = robot.with_payload(Payload(mass=load.mass, com=np.array(load.com), inertia=np.array(load.inertia)))
-    if task.wrench is not None:
-        with _named(task, "wrench"):
-            pull = task.wrench
-            robot = robot.with_wrench(Wrench(force=np.array(pull.force), torque=np.array(pull.torque), axes=pull.axes))
-    if task.limits is not None:
-        with _named(task, "limits"):
-            robot = robot.with_limits(**task.limits.model_dump(exclude_none=True))
-    return robot
-
-
-def _world_frame(robot: Robot, name: str) -> Array:
-    """Where a frame is that does not move with the arm, shape (4, 4); "world" is the URDF's root link.
-
-    Raises
-    ------
-    InputError
-        For an unknown frame, or one that moves, with those that do not.
-    """
-    frames = {frame.name: frame.parentJoint for frame in robot.model.frames if frame.name != "universe"}
-    if name == _WORLD and name not in frames:  # a URDF may have a link of this name, which is then meant
-        return np.eye(4)
-    fixed = list(dict.fromkeys([_WORLD, *(frame for frame, parent in frames.items() if parent == 0)]))
-    if name in frames and name not in fixed:
-        raise InputError(f"{name!r} moves with the arm; poses can be given in: {', '.join(map(repr, fixed))}")
-    checked_choice("frame", name, fixed)
-    return forward_kinematics(robot, np.zeros(robot.n_joints), frame=name)
-
-
-def _waypoint(robot: Robot, frame: Array, task: Task, k: int) -> Waypoint:
-    """Point k: its joint positions, or its pose with all solutions."""
-    point = task.points[k]
-    label = f"points[{k}]" + (f" {point.name!r}" if point.name else "")
-    if point.joints is not None:
-        with _named(task, label):
-            return _joint_positions(robot, point.joints)
-    T_world_tool = frame @ _pose(point)
-    with _named(task, label):
-        free = "which way the tool is turned" if point.axis is None else "how far the tool is turned about its axis"
-        if point.constrain != "pose" and (joints := len(chain_to(robot).driving)) >= _FULL:
-            raise InputError(
-                f"needs rpy_deg or quaternion: {joints} joints carry the tool, and {free} would be left to chance"
-            )
-        solutions = inverse_kinematics(robot, T_world_tool, constrain=point.constrain)
-        return Posed(T_world_tool=T_world_tool, solutions=solutions, constrain=point.constrain)
-
-
-def _joint_positions(robot: Robot, given: tuple[float, ...] | dict[str, float]) -> Array:
-    """Joint positions, shape (n_joints,), given in the robot's order or by joint name."""
-    if isinstance(given, dict):
-        for name in given:
-            checked_choice("joint", name, robot.joint_names)
-        given = tuple(given[name] for name in robot.joint_names if name in given)
-    if len(given) != robot.n_joints:
-        raise InputError(
-            f"joints: {len(given)} numbers for {robot.n_joints} joints: {', '.join(robot.joint_names)}; give one for"
-            " each, in this order or by name; locked='others' locks those that do not carry the tool"
-        )
-    return checked_array("joints", given, (robot.n_joints,), unit="rad")
-
-
-def _body(section: BodySection) -> Payload:
-    return Payload(mass=section.mass, com=np.array(section.com), inertia=np.array(section.inertia))
-
-
-@contextmanager
-def _named(task: Task, field: str) -> Iterator[None]:
-    """Put the file and the field before the message of what goes wrong inside."""
-    where = f"{task.origin}: {field}: "
-    try:
-        yield
-    except NoSolution as error:
-        raise NoSolution(f"{where}{error}", residual=error.residual, q=error.q) from error
-    except InputError as error:
-        raise InputError(f"{where}{error}") from error
-    except ModelError as error:
-        raise ModelError(f"{where}{error}") from error
-
-
-def _pose(point: Point) -> Array:
-    """The point's pose in its frame, shape (4, 4)."""
-    transform = np.eye(4)
-    transform[:3, 3] = point.position or ()
-    if point.rpy_deg is not None:
-        transform[:3, :3] = _from_rpy(*np.deg2rad(point.rpy_deg))
-    if point.axis is not None:
-        transform[:3, :3] = _from_axis(np.array(point.axis))
-    if point.quaternion is not None:
-        turn = point.quaternion
-        transform[:3, :3] = _from_quaternion(np.array([turn.w, turn.x, turn.y, turn.z]))
-    return transform
-
-
-def _from_axis(z: Array) -> Array:
-    """Some rotation whose z axis this is."""
-    x = np.cross(np.eye(3)[np.argmin(np.abs(z))], z)
-    x /= np.linalg.norm(x)
-    return np.column_stack((x, np.cross(z, x), z))
-
-
-def _from_rpy(roll: float, pitch: float, yaw: float) -> Array:
-    """``Rz(yaw) Ry(pitch) Rx(roll)``: turns about fixed axes x, y, z, as in a URDF."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
-    return np.array([
-        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-        [-sp, cp * sr, cp * cr],
-    ])  # fmt: skip
-
-
-def _from_quaternion(quaternion: Array) -> Array:
-    """Rotation of a quaternion (w, x, y, z), which is normalised."""
-    w, x, y, z = quaternion / np.linalg.norm(quaternion)
-    return np.array([
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ])  # fmt: skip

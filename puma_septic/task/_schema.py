@@ -2,104 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from inspect import signature
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from math import sqrt
-from pathlib import Path
 from typing import Annotated, Any, Final, Literal, final
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
-    Discriminator,
-    Field,
-    StrictBool,
-    Tag,
-    ValidationInfo,
-    field_validator,
-    model_serializer,
-    model_validator,
-)
-from pydantic_core import PydanticCustomError
+from pydantic import AfterValidator, Discriminator, Field, StrictBool, Tag, field_validator, model_validator
 
-from puma_septic import profiles
-from puma_septic.errors import did_you_mean
-from puma_septic.robot import is_robot_path
 from puma_septic.task._conditions import ConditionsSection, LoadCaseSection
-from puma_septic.trajectory import Trajectory
+from puma_septic.task._fields import (
+    LIST,
+    NAMED,
+    WORD,
+    FilePath,
+    NotNegative,
+    Number,
+    PayloadSection,
+    PerJoint,
+    Positive,
+    RobotSource,
+    Section,
+    Text,
+    Vector,
+    fault,
+)
+from puma_septic.task._profile_choice import ProfileChoice
+from puma_septic.task._steps import MoveDefaults, Step, check_steps
 
-__all__ = ["Point", "ProfileChoice", "Task", "shortened"]
+__all__ = ["BodySection", "Point", "Task"]
 
 # A quaternion typed with four digits passes and is then normalised; one further off is a mistake.
 _UNIT_NORM: Final = 1e-3
-# What a profile is given by the task itself; its other parameters are options.
-_FROM_TASK: Final = ("points", "times", "durations", "joint_names")
-# Marks in an error's location that a union leaves there and that are no keys of the file.
-NUMBER, LIST, NAMED, WORD = MARKS = ("<number>", "<list>", "<by name>", "<word>")
-OWN_WORDS: Final = "task"
-
-
-def shortened(value: object) -> str:
-    """A value as a message shows it."""
-    text = repr(value)
-    return text if len(text) <= 80 else f"{text[:77]}..."
-
-
-def _fault(message: str) -> PydanticCustomError:
-    """A fault told in our own words, which need no value behind them."""
-    return PydanticCustomError(OWN_WORDS, "{message}", {"message": message})
-
-
-def _printable(text: str) -> str:
-    """One line without control characters, which could rewrite a terminal's screen."""
-    if not text.isprintable():
-        raise _fault(f"{text[:80]!r} must be one line without control characters")
-    return text
-
-
-def _beside_the_file(path: str, info: ValidationInfo) -> str:
-    """A path in a task file is relative to the folder that the file lies in."""
-    return str(Path((info.context or {}).get("folder", "."), path))
-
-
-def _robot_source(source: str, info: ValidationInfo) -> str:
-    """A name stays; a path is relative to the task file."""
-    return _beside_the_file(source, info) if is_robot_path(source) else source
-
-
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
-Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
-Vector = Annotated[tuple[Number, ...], Field(min_length=3, max_length=3)]
-Text = Annotated[str, Field(strict=True, min_length=1, max_length=200), AfterValidator(_printable)]
-FilePath = Annotated[Text, AfterValidator(_beside_the_file)]
-PerJoint = Annotated[
-    Annotated[Positive, Tag(NUMBER)] | Annotated[tuple[Positive, ...], Tag(LIST)],
-    Discriminator(lambda value: LIST if isinstance(value, (list, tuple)) else NUMBER),
-]
-
-
-class Section(BaseModel):
-    """A mapping in the file: only the keys that are known, and never changed."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _only_known_keys(cls, data: Any) -> Any:
-        """Say which keys would be valid; pydantic alone says only that one is not."""
-        valid = ", ".join(cls.model_fields)
-        if isinstance(data, cls):
-            return data
-        if not isinstance(data, dict):
-            raise _fault(f"expected a mapping with keys among: {valid}; got {shortened(data)}")
-        for key in data:
-            if key not in cls.model_fields:
-                meant = did_you_mean([str(key)], cls.model_fields)
-                raise _fault(f"unknown key {shortened(key)}; valid: {valid}{meant}")
-        return data
+# What belongs to a task of one motion, and where a cycle has it.
+_OF_ONE_MOTION: Final[tuple[str, ...]] = (
+    "times",
+    "durations",
+    "profiles",
+    "dwell",
+    "rest_before",
+    "rest_after",
+    "load_cases",
+)
+_IN_A_CYCLE: Final = "there each move has its duration or speed and its profile, and a rest is a step: - dwell: 0.5"
 
 
 @final
@@ -115,7 +59,7 @@ class BodySection(Section):
 class RobotSection(Section):
     """The arguments of `load_robot`."""
 
-    source: Annotated[Text, AfterValidator(_robot_source)] = "puma560"
+    source: RobotSource = "puma560"
     parameters: Text | None = None
     limits: Text | None = None
     tool: Text | None = None
@@ -142,7 +86,7 @@ class Quaternion(Section):
     def _is_unit(self) -> Quaternion:
         norm = sqrt(self.w**2 + self.x**2 + self.y**2 + self.z**2)
         if not abs(norm - 1) <= _UNIT_NORM:
-            raise _fault(f"its norm is {norm:.6g}; a rotation's is 1 (to {_UNIT_NORM})")
+            raise fault(f"its norm is {norm:.6g}; a rotation's is 1 (to {_UNIT_NORM})")
         return self
 
 
@@ -150,25 +94,26 @@ def _unit(axis: tuple[float, ...]) -> tuple[float, ...]:
     """A direction as a unit vector."""
     length = sqrt(sum(value**2 for value in axis))
     if not length > 0:
-        raise _fault("0 0 0 is no direction")
+        raise fault("0 0 0 is no direction")
     return tuple(value / length for value in axis)
+
+
+JointValues = Annotated[
+    Annotated[tuple[Number, ...], Tag(LIST)] | Annotated[dict[Text, Number], Tag(NAMED)],
+    Discriminator(lambda value: NAMED if isinstance(value, dict) else LIST),
+]
 
 
 @final
 class Point(Section):
-    """Joint positions, or a pose of the tool in the task's frame.
+    """Joint positions, in rad or in degrees, or a pose of the tool in the task's frame.
 
     For arms with fewer than six axes the position alone, or with the direction of the tool's z axis, is enough.
     """
 
     name: Text | None = None
-    joints: (
-        Annotated[
-            Annotated[tuple[Number, ...], Tag(LIST)] | Annotated[dict[Text, Number], Tag(NAMED)],
-            Discriminator(lambda value: NAMED if isinstance(value, dict) else LIST),
-        ]
-        | None
-    ) = None
+    joints: JointValues | None = None
+    joints_deg: JointValues | None = None
     position: Vector | None = None
     rpy_deg: Vector | None = None
     quaternion: Quaternion | None = None
@@ -181,67 +126,24 @@ class Point(Section):
             return "pose"
         return "position" if self.axis is None else "axis"
 
+    @property
+    def is_posed(self) -> bool:
+        """Whether it is a pose, not joint positions."""
+        return self.position is not None
+
     @model_validator(mode="after")
     def _is_one_of_both(self) -> Point:
         turned = sum(value is not None for value in (self.rpy_deg, self.quaternion, self.axis))
-        is_pose = self.joints is None and self.position is not None and turned <= 1
-        is_joints = self.joints is not None and self.position is None and turned == 0
+        given = sum(value is not None for value in (self.joints, self.joints_deg))
+        is_pose = not given and self.is_posed and turned <= 1
+        is_joints = given == 1 and not self.is_posed and turned == 0
         if not (is_pose or is_joints):
-            given = ", ".join(self.model_dump(exclude_none=True)) or "nothing"
-            raise _fault(
-                f"needs either joints, or position with one of rpy_deg, quaternion and axis (or alone); given: {given}"
+            told = ", ".join(self.model_dump(exclude_none=True)) or "nothing"
+            raise fault(
+                "needs either joints (or joints_deg), or position with one of rpy_deg, quaternion and axis (or alone);"
+                f" given: {told}"
             )
         return self
-
-
-@final
-class ProfileChoice(Section):
-    """A profile's name, alone or in a mapping with the options of its function."""
-
-    name: Text
-    options: dict[str, Any] = Field(default_factory=dict)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _only_known_keys(cls, data: Any) -> Any:
-        """Take `septic` and `{name: lspb, blend_time: 1.0}` apart, against the profile's own signature."""
-        if isinstance(data, (str, cls)):
-            data = {"name": data} if isinstance(data, str) else data.model_dump()
-        if not isinstance(data, dict) or not isinstance(data.get("name"), str):
-            raise _fault(f"expected a profile's name, or a mapping with the key name; got {shortened(data)}")
-        name = data["name"]
-        if name not in profiles.names():
-            valid = sorted(profiles.names())
-            raise _fault(f"unknown profile {name!r}; valid: {', '.join(valid)}{did_you_mean([name], valid)}")
-        options = {key: value for key, value in data.items() if key != "name"}
-        _check_options(name, options, profiles.family(name).function)
-        return {"name": name, "options": options}
-
-    @model_serializer
-    def _flat(self) -> dict[str, Any]:
-        return {"name": self.name, **self.options}
-
-
-def _check_options(name: str, options: Mapping[str, Any], profile: Callable[..., Trajectory]) -> None:
-    """Hold options against the profile's signature; their values are the profile's own to check."""
-    parameters = {key: p for key, p in signature(profile).parameters.items() if key not in _FROM_TASK}
-    unknown = [key for key in options if key not in parameters]
-    missing = [key for key, p in parameters.items() if p.default is p.empty and key not in options]
-    if unknown:
-        valid = ", ".join(parameters) or "none"
-        raise _fault(f"unknown option {shortened(unknown[0])} of profile {name!r}; valid: {valid}")
-    if missing:
-        key = missing[0]
-        raise _fault(f"profile {name!r} needs the option {key!r}: {{name: {name}, {key}: ...}}")
-
-
-@final
-class PayloadSection(Section):
-    """The arguments of `Payload`."""
-
-    mass: NotNegative
-    com: Vector = (0.0, 0.0, 0.0)
-    inertia: Annotated[tuple[Vector, ...], Field(min_length=3, max_length=3)] = ((0.0, 0.0, 0.0),) * 3
 
 
 @final
@@ -266,6 +168,23 @@ class LimitsSection(Section):
 
 
 @final
+class ToolLimitsSection(Section):
+    """The arguments of `ToolLimits`."""
+
+    speed: Positive | None = None
+    acceleration: Positive | None = None
+    jerk: Positive | None = None
+    angular_speed: Positive | None = None
+    source: Text | None = None
+
+    @model_validator(mode="after")
+    def _has_one(self) -> ToolLimitsSection:
+        if all(value is None for value in (self.speed, self.acceleration, self.jerk, self.angular_speed)):
+            raise fault("needs one of speed, acceleration, jerk and angular_speed")
+        return self
+
+
+@final
 class Task(Section):
     """A task as its file has it, paths made absolute; see docs/tasks.md for every key.
 
@@ -283,7 +202,13 @@ class Task(Section):
     times, durations : tuple of float
         One of both, s; times begin at 0.
     profiles : tuple of ProfileChoice
-    payload, wrench, limits : section or None
+    cycle : tuple of steps
+        In place of times and profiles: moves from point to point, grips, rests.
+    defaults : MoveDefaults
+        What the moves of a cycle do unless they say otherwise.
+    repeat : bool
+        Whether a cycle begins again where it ends, all day.
+    payload, wrench, limits, tool_limits : section or None
     dwell : float
         s
     rest_before, rest_after : bool
@@ -303,7 +228,10 @@ class Task(Section):
     floor: Number | None = None
     times: tuple[Number, ...] | None = None
     durations: tuple[Positive, ...] | None = None
-    profiles: Annotated[tuple[ProfileChoice, ...], Field(min_length=1)]
+    profiles: Annotated[tuple[ProfileChoice, ...], Field(min_length=1)] = ()
+    cycle: Annotated[tuple[Step, ...], Field(min_length=1)] = ()
+    defaults: MoveDefaults = Field(default_factory=MoveDefaults)
+    repeat: StrictBool = True
     payload: PayloadSection | None = None
     wrench: WrenchSection | None = None
     dwell: NotNegative = 0.0
@@ -312,6 +240,7 @@ class Task(Section):
     limits: LimitsSection | None = None
     conditions: ConditionsSection | None = None
     load_cases: tuple[LoadCaseSection, ...] = ()
+    tool_limits: ToolLimitsSection | None = None
 
     _origin: str = ""
 
@@ -328,24 +257,40 @@ class Task(Section):
     @classmethod
     def _times_increase(cls, times: tuple[float, ...] | None) -> tuple[float, ...] | None:
         if times and times[0] != 0:
-            raise _fault(f"must begin at 0 s, not at {times[0]:g} s")
+            raise fault(f"must begin at 0 s, not at {times[0]:g} s")
         for k, (before, after) in enumerate(pairwise(times or ())):
             if not after > before:
-                raise _fault(f"must increase strictly, but times[{k}] = {before:g} s is followed by {after:g} s")
+                raise fault(f"must increase strictly, but times[{k}] = {before:g} s is followed by {after:g} s")
         return times
 
     @model_validator(mode="after")
-    def _timed_once(self) -> Task:
+    def _is_one_of_both(self) -> Task:
+        """Either points with times and profiles, or points that a cycle leads to."""
+        if self.cycle:
+            if mixed := self._given(_OF_ONE_MOTION):
+                raise fault(f"{', '.join(mixed)}: not beside a cycle; {_IN_A_CYCLE}", key=mixed[0])
+            check_steps(self.cycle, self.defaults, [point.name for point in self.points])
+            return self
+        if mixed := self._given(("defaults", "repeat")):
+            raise fault(f"{', '.join(mixed)}: only beside a cycle", key=mixed[0])
+        if not self.profiles:
+            raise fault("profiles is missing")
+        self._check_times()
+        return self
+
+    def _given(self, keys: Sequence[str]) -> list[str]:
+        return [key for key in keys if key in self.model_fields_set]
+
+    def _check_times(self) -> None:
         n = len(self.points)
         if (self.times is None) == (self.durations is None):
             given = "neither is given" if self.times is None else "both are given"
-            raise _fault(f"needs either times or durations; {given}")
+            raise fault(f"needs either times or durations; {given}")
         if self.times is not None and len(self.times) != n:
-            raise _fault(f"times: {len(self.times)} times for {n} points; one for each is needed")
+            raise fault(f"times: {len(self.times)} times for {n} points; one for each is needed")
         if self.durations is not None and len(self.durations) != n - 1:
             count = len(self.durations)
-            raise _fault(f"durations: {count} durations for {n} points; one fewer than points is needed")
-        return self
+            raise fault(f"durations: {count} durations for {n} points; one fewer than points is needed")
 
     def document(self) -> dict[str, Any]:
         """What the file said, JSON-ready; `parse_task` takes it back."""

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
 from pydantic import ValidationError
+from pydantic_core import ErrorDetails
 
 from puma_septic.errors import InputError, did_you_mean
-from puma_septic.files import decoded, read_bytes, yaml_documents
-from puma_septic.task._schema import MARKS, OWN_WORDS, Task, shortened
+from puma_septic.files import YamlPlaces, decoded, read_bytes, yaml_documents, yaml_places, yaml_text
+from puma_septic.task._fields import MARKS, OWN_WORDS, shortened
+from puma_septic.task._schema import Task
 
-__all__ = ["load_task", "make_task", "parse_task", "task_names"]
+__all__ = ["load_task", "make_task", "parse_task", "task_names", "task_text"]
 
 # The built-in tasks are 2 KB long; a pure-Python YAML parser takes seconds for some 100 KB.
 MAX_BYTES: Final = 64_000
@@ -26,7 +28,7 @@ def task_names() -> tuple[str, ...]:
     Examples
     --------
     >>> task_names()
-    ('gasparetto-zanotto', 'lin-chang-luh', 'paper', 'paper-turned', 'williams')
+    ('gasparetto-zanotto', 'lin-chang-luh', 'paper', 'paper-straight', 'paper-turned', 'williams')
     """
     return tuple(sorted(path.stem for path in _FOLDER.glob("*.yaml")))
 
@@ -71,7 +73,8 @@ def load_task(source: str | Path) -> Task:
 
 def parse_task(text: str, *, origin: str = "task", folder: str | Path = ".") -> Task:
     """A task from YAML text; `origin` is what messages call it, relative paths in it begin at `folder`."""
-    return make_task(_parsed(text, origin), origin=origin, folder=folder)
+    data = _parsed(text, origin)
+    return _validated(data, origin, folder, lambda: yaml_places(text))
 
 
 def make_task(data: Mapping[str, Any], *, origin: str = "task", folder: str | Path = ".") -> Task:
@@ -82,10 +85,31 @@ def make_task(data: Mapping[str, Any], *, origin: str = "task", folder: str | Pa
     InputError
         Naming the field, its value and what would be valid.
     """
+    return _validated(data, origin, folder, lambda: None)
+
+
+def _validated(data: Any, origin: str, folder: str | Path, places: Callable[[], YamlPlaces | None]) -> Task:
     try:
         return Task.model_validate(data, context={"origin": origin, "folder": str(folder)})
     except ValidationError as error:
-        raise InputError(f"{origin}: {_described(error)}") from error
+        raise InputError(_described(error, origin, places())) from error
+
+
+def task_text(task: Task, *, comment: str = "") -> str:
+    """A task as YAML, which `parse_task` takes back; paths in it are absolute.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> task = load_task("paper")
+    >>> parse_task(task_text(task)).document() == task.document()
+    True
+    """
+    head = "".join(f"# {line}\n" for line in comment.splitlines())
+    return head + yaml_text(task.document())
 
 
 def _read(path: Path) -> str:
@@ -103,6 +127,7 @@ def _parsed(text: str, origin: str) -> Any:
 # pydantic's own words where ours are shorter or name the file's terms.
 _MESSAGES: Final = {
     "missing": "is missing",
+    "literal_error": "expected {expected}",
     "float_type": "expected a number",
     "string_type": "expected text",
     "tuple_type": "expected a list",
@@ -115,20 +140,41 @@ _MESSAGES: Final = {
 }
 
 
-def _described(error: ValidationError) -> str:
-    """The first fault in one line, and how many more there are."""
+def _described(error: ValidationError, origin: str, places: YamlPlaces | None) -> str:
+    """All faults, each with its line, its field, what is wrong and the value."""
     faults = error.errors(include_url=False)
-    first = faults[0]
-    # A list with a faulty entry is also reported as one without it, which is too short.
-    others = [fault for fault in faults[1:] if fault["loc"] != first["loc"][: len(fault["loc"])]]
-    where = _field(first["loc"])
-    message = _MESSAGES.get(first["type"], first["msg"])
-    if first["type"] in _MESSAGES:
-        message = message.format(**first.get("ctx", {}))
-    text = f"{where}{' ' if first['type'] == 'missing' else ': '}{message}" if where else message
-    if first["type"] not in ("missing", OWN_WORDS):
-        text += f", got {shortened(first['input'])}"
-    return text + (f" (and {len(others)} more)" if others else "")
+    told = [(_line(fault, places), _message(fault)) for fault in faults if not _is_echo(fault, faults)]
+    if len(told) == 1:
+        ((line, message),) = told
+        return f"{origin}{f', line {line}' if line else ''}: {message}"
+    lines = (f"{f'line {line}: ' if line else ''}{message}" for line, message in sorted(told, key=lambda one: one[0]))
+    return f"{origin}: {len(told)} faults:" + "".join(f"\n  {line}" for line in lines)
+
+
+def _is_echo(fault: ErrorDetails, faults: Sequence[ErrorDetails]) -> bool:
+    """Whether a list is said to be too short only because of an entry that is told itself."""
+    n = len(fault["loc"])
+    inner = [one for one in faults if len(one["loc"]) > n and one["loc"][:n] == fault["loc"]]
+    return fault["type"] == "too_short" and bool(inner)
+
+
+def _line(fault: ErrorDetails, places: YamlPlaces | None) -> int:
+    """The line of the file that a fault stands in, 0 where there is no file."""
+    if places is None:
+        return 0
+    key = fault.get("ctx", {}).get("key")
+    return places.line([part for part in (*fault["loc"], *(() if key is None else (key,))) if part not in MARKS])
+
+
+def _message(fault: ErrorDetails) -> str:
+    where = _field(fault["loc"])
+    message = _MESSAGES.get(fault["type"], fault["msg"])
+    if fault["type"] in _MESSAGES:
+        message = message.format(**fault.get("ctx", {}))
+    text = f"{where}{' ' if fault['type'] == 'missing' else ': '}{message}" if where else message
+    if fault["type"] not in ("missing", OWN_WORDS):
+        text += f", got {shortened(fault['input'])}"
+    return text
 
 
 def _field(location: tuple[int | str, ...]) -> str:

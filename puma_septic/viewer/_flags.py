@@ -10,6 +10,7 @@ import numpy as np
 from puma_septic.assessment import Assessment, height_series
 from puma_septic.kinematics import height_parts
 from puma_septic.limit_check import HEIGHT, LimitCheck
+from puma_septic.paths import tool_rates
 from puma_septic.piecewise import Piecewise
 
 __all__ = ["Flag", "flags_of"]
@@ -52,6 +53,11 @@ def flags_of(assessment: Assessment) -> tuple[Flag, ...]:
 
 def _spans(assessment: Assessment, check: LimitCheck) -> tuple[tuple[float, float], ...]:
     """While the joint's quantity is beyond its bounds: from the roots of their difference, not from a grid."""
+    if check in assessment.tool_checks:
+        motion = assessment.motion
+        square = tool_rates(motion.robot, motion.trajectory).square(check.quantity)
+        excess = square - Piecewise.constant([check.limit**2], square.duration, start=square.start)
+        return tuple((float(start), float(end)) for start, end in zip(*excess.positive_spans(), strict=True))
     one, (low, high) = _bounded(assessment, check)
     excesses = [
         sign * (one - Piecewise.constant([bound], one.duration, start=one.start))

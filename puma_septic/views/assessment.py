@@ -205,8 +205,15 @@ def _tool_text(document: Document) -> str:
         f" {reached}, height {low:.3f} to {high:.3f} m"
     ]
     parts.append(f"Lowest point: {lowest_text(document['lowest'])}")
+    if limits := read_checks(tool.get("checks", [])):
+        parts.append(f"Limits of the tool: {'; '.join(_tool_use(check) for check in limits)}")
     for report in document["singularities"]:
         if report["crossings"]:
             times = ", ".join(f"{time:.3f}" for time in report["crossings"])
             parts.append(f"Singularity {report['kind']!r}: crossed at {times} s")
     return "\n".join(parts)
+
+
+def _tool_use(check: LimitCheck) -> str:
+    source = f" ({check.source})" if check.source else ""
+    return f"{check.label} {_size(check.demand, check)} of {check.limit:.4g} {check.unit}{source}"

@@ -79,9 +79,9 @@ def _verdict(document: Document) -> str:
 
 
 def _checks(document: Document) -> list[LimitCheck]:
-    found = [check for joint in document["joints"] for check in read_checks(joint["checks"])]
+    groups = [joint["checks"] for joint in document["joints"]] + [document["tool"].get("checks", [])]
     floor = [check for check in read_checks(document["violations"]) if check.quantity == HEIGHT]
-    return [*found, *floor]
+    return [*(check for group in groups for check in read_checks(group)), *floor]
 
 
 def _most(document: Document, quantity: str) -> str:

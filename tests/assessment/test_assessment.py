@@ -476,7 +476,7 @@ def test_points_that_look_like_degrees_are_questioned(puma: ps.Robot) -> None:
     result = ps.assess(puma, move)
     assert not result.is_feasible
     assert result.verdict.startswith("undecided: points in degrees? joint1 reaches 90 rad, 14.3 turns, its bounds are")
-    assert result.verdict.endswith("90 deg would be 1.57 rad")
+    assert result.verdict.endswith("90 deg would be 1.57 rad, and a task file takes them as joints_deg")
     assert result.to_dict()["undecided"] == list(result.undecided)
 
 

@@ -396,7 +396,7 @@ def assert_bad_input(arguments: list[str], message: str, capsys: pytest.CaptureF
     [
         (["asses"], "unknown command 'asses'; valid: assess"),
         (["assess", "--profil", "septic"], "unrecognized arguments"),
-        (["assess", "papre"], "'paper', 'paper-turned', 'williams', or the path of a .yaml file"),
+        (["assess", "papre"], "'paper', 'paper-straight', 'paper-turned', 'williams', or the path of a .yaml file"),
         (["assess", "none.yaml"], "none.yaml: this task file does not exist"),
         (["assess", "--profile", "spline"], r"profiles\[0\]: unknown profile 'spline'; valid: "),
         (["assess", "--robot", "kuka"], "unknown robot 'kuka'; valid: 'puma560'"),

@@ -45,6 +45,7 @@ COMMANDS = {
     "assess": ["assess", "paper-turned", "--profile", "septic"],
     "assess-log": ["assess", "--csv", "log.csv"],
     "check": ["check", "--robot", "puma560", "plan.yaml", "--allow", "limit_unknown"],
+    "cycle": ["assess", "paper-straight"],
     "doctor": ["doctor", "puma560"],
     "ik": ["ik", "paper"],
     "limits": ["limits", "paper-turned", "--profile", "septic"],

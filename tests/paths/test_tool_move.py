@@ -176,18 +176,23 @@ def test_one_law_leads_round_corners_without_a_stop() -> None:
     np.testing.assert_allclose(speed, np.abs(law(t, 1)[:, 0]), atol=1e-6)
     assert rates.peak("speed")[0] == pytest.approx(0.25, abs=1e-9)
     assert rates.peak("angular speed")[0] < 1e-9
-    speed_check, pull_check = rates.checks(speed=0.25, acceleration=1.0, source="ISO 10218-1, manual reduced speed")
+    speed_check, pull_check = rates.checks(
+        paths.ToolLimits(speed=0.25, acceleration=1.0, source="manual reduced speed")
+    )
     assert not speed_check.is_violated
     assert pull_check.is_violated  # the corners pull more than the law
     assert str(pull_check).startswith("tool acceleration")
 
 
-def test_peak_torque_along_a_line_is_that_of_dense_samples_refined() -> None:
-    robot = ps.load_robot()
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 10))])
+def test_peak_torque_along_a_line_is_that_of_dense_samples_refined(seed: int) -> None:
+    """Of random lines of the PUMA; the samples are taken again, 1,000 and 100,000 times as dense, about each peak."""
+    robot, rng = ps.load_robot(), np.random.default_rng(seed)
     pose = ps.forward_kinematics(robot, [0, 0.5, -2.5, 0, 0.7, 0])
-    path = paths.line(pose, pose[:3, 3] + [-0.1, 0.3, 0.1])
+    path = paths.line(pose, pose[:3, 3] + rng.uniform([-0.1, 0.1, -0.1], [0.1, 0.3, 0.2]))
     move = ps.tool_move(robot, path, paths.in_time(path, 1.0))
-    peak, time = ps.assess(robot, move).peak_torque, ps.assess(robot, move).peak_torque_time
+    assessment = ps.assess(robot, move)
+    peak, time = assessment.peak_torque, assessment.peak_torque_time
     for span in (0.5, 1e-3, 1e-5):
         for j in range(6):
             # Not at rest itself, where the sign of rounding would be that of friction.
@@ -196,8 +201,10 @@ def test_peak_torque_along_a_line_is_that_of_dense_samples_refined() -> None:
             assert sampled <= peak[j] * (1 + 1e-9)
     moving = (time > 0) & (time < 1)
     there = np.abs(np.diag(ps.inverse_dynamics(robot, *(move(time, order) for order in range(3)))))
-    np.testing.assert_allclose(there[moving], peak[moving], rtol=1e-9)
-    assert moving.sum() >= 4
+    # Within: at a reversal the peak is one side's, by the sign of friction, and is held by the samples above alone.
+    smooth = moving & (np.abs(np.diag(move(time, 1))) > 1e-9)
+    np.testing.assert_allclose(there[smooth], peak[smooth], rtol=1e-9)
+    assert smooth.sum() >= 3
 
 
 def test_refusals_say_where_by_how_much_and_what_would_help(planar: ps.Robot) -> None:

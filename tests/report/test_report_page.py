@@ -98,8 +98,8 @@ def test_it_has_every_part(html: str) -> None:
     headings = re.findall("<(?:h3|summary)[^>]*>([^<]*)<", html)
     assert headings == [
         "Limit utilisation", "Replay", "Torque", "Torque by cause: septic", "Torque by cause: lspb",
-        "Torque by cause: quintic_segments", "Torque-speed plane", "Tool", "Position", "Velocity", "Acceleration",
-        "Jerk", "Numbers", "Assumptions and sources", "Reproduce this report", "Inputs",
+        "Torque by cause: quintic_segments", "Torque-speed plane", "Tool", "Distance to singular postures", "Position",
+        "Velocity", "Acceleration", "Jerk", "Numbers", "Assumptions and sources", "Reproduce this report", "Inputs",
     ]  # fmt: skip
     text = words(html)
     assert f"puma-septic {ps.__version__}" in text
@@ -380,8 +380,8 @@ def test_figures_stand_alone(paper_task: Assessed) -> None:
     """Without variables in the style sheet, which drawing programs do not know, and well-formed."""
     found = figures(paper_task[1][:1], ["septic"])
     assert set(found) == {
-        "utilisation", "torque", "torque-split-septic", "torque-speed", "tool", "position", "velocity", "acceleration",
-        "jerk",
+        "utilisation", "torque", "torque-split-septic", "torque-speed", "tool", "singularity",
+        "position", "velocity", "acceleration", "jerk",
     }  # fmt: skip
     for name, svg in found.items():
         assert "var(" not in svg

@@ -412,6 +412,8 @@ def test_a_document_is_the_task_again() -> None:
         task = load_task(name)
         again = make_task(task.document())
         assert again.document() == task.document()
+        if task.cycle:
+            continue
         np.testing.assert_array_equal(resolve_task(again).points, resolve_task(task).points)
 
 
@@ -454,7 +456,11 @@ def test_not_a_task_file(text: str, message: str) -> None:
         ("name: small", "name: 5", "name: expected text, got 5"),
         ("name: small", 'name: "a\\e[2Jb"', "name: .* must be one line without control characters"),
         ("name: small\n", "\n", "name is missing"),
-        ("name: a, joints", "name: a, joint", r"points\[0\]: unknown key 'joint'; valid: name, joints, position"),
+        (
+            "name: a, joints",
+            "name: a, joint",
+            r"points\[0\]: unknown key 'joint'; valid: name, joints, joints_deg, position",
+        ),
         ("[0.5, 0.5", "[.nan, 0.5", r"points\[1\].joints\[0\]: expected a finite number, got nan"),
         ("[0.5, 0.5", "[.inf, 0.5", r"points\[1\].joints\[0\]: expected a finite number, got inf"),
         ("[0.5, 0.5", "[yes, 0.5", r"points\[1\].joints\[0\]: expected a number, got 'yes'"),
@@ -470,12 +476,12 @@ def test_not_a_task_file(text: str, message: str) -> None:
         (
             "joints: [0.5, 0.5, 0, 0, 0, 0]",
             "position: [1, 2, 3], rpy_deg: [0, 0, 0], axis: [0, 0, 1]",
-            r"points\[1\]: needs either joints, or position with one of rpy_deg, quaternion and axis \(or alone\); gi",
+            r"points\[1\]: needs either joints .*or position with one of rpy_deg, quaternion and axis \(or alone\); gi",
         ),
         (
             "joints: [0.5, 0.5, 0, 0, 0, 0]",
             "axis: [0, 0, 1]",
-            r"points\[1\]: needs either joints, or position with one",
+            r"points\[1\]: needs either joints .*or position with one",
         ),
         (
             "joints: [0.5, 0.5, 0, 0, 0, 0]",
@@ -523,13 +529,31 @@ def test_not_a_task_file(text: str, message: str) -> None:
 )
 def test_wrong_content_is_named_with_its_field(old: str, new: str, message: str) -> None:
     assert old in SMALL
-    with pytest.raises(ps.InputError, match=rf"^f\.yaml: .*{message}"):
+    with pytest.raises(ps.InputError, match=rf"(?s)^f\.yaml(, line \d+|: \d faults:\n  line \d+): .*{message}"):
         parse_task(SMALL.replace(old, new), origin="f.yaml")
 
 
-def test_the_number_of_further_faults_is_told() -> None:
-    with pytest.raises(ps.InputError, match=r"\(and 1 more\)$"):
-        parse_task(SMALL.replace("name: small", "name: 5\ndwell: x"))
+def test_all_faults_are_told_at_once_with_their_lines() -> None:
+    """A person mends a file once, not fault by fault: of several the first alone used to be told, and how many more.
+
+    An unknown key no longer hides what is wrong beside it.
+    """
+    text = (
+        SMALL.replace("name: small", "name: 5\ncolour: red")
+        .replace("[0.5, 0.5", "[0.5, x")
+        .replace("b, joints", "b, joint")
+    )
+    with pytest.raises(ps.InputError) as caught:
+        parse_task(text.replace("times: [0, 1]", "times: [0, 0]"), origin="f.yaml")
+    first, *lines = str(caught.value).split("\n")
+    assert first == "f.yaml: 4 faults:"
+    assert [re.match(r"  line (\d+): ", line)[1] for line in lines] == ["2", "3", "6", "7"]
+    assert lines[1].startswith("  line 3: unknown key 'colour'; valid: name")
+    assert lines[2].endswith("did you mean 'joints'?")
+    with pytest.raises(
+        ps.InputError, match=r"^task: 2 faults:\n  name: expected text, got 5\n  dwell: expected a number"
+    ):
+        make_task({**parse_task(SMALL).document(), "name": 5, "dwell": "x"})
 
 
 @pytest.mark.parametrize(
@@ -605,9 +629,8 @@ def test_a_file_that_cannot_be_read(tmp_path: Path, make: Callable[[Path], objec
 
 
 def test_an_unknown_built_in_task_lists_the_known_ones() -> None:
-    with pytest.raises(
-        ps.InputError, match=r"unknown task 'papre'; valid: .*'paper', 'paper-turned', 'williams', or the path"
-    ):
+    valid = "'paper', 'paper-straight', 'paper-turned', 'williams', or the path"
+    with pytest.raises(ps.InputError, match=f"unknown task 'papre'; valid: .*{valid}"):
         load_task("papre")
 
 

@@ -1,10 +1,14 @@
 """Selection: 100,000 pairs of motor and gearbox at six joints, against assessing each pair anew.
 
-Assessing all 600,000 in full would take hours; a random sample is timed and its mean time multiplied.
+Assessing all 600,000 in full would take hours; a random sample is timed and its mean time multiplied. Then the same
+pairs in five load cases, and the memory of 1.2 million pairs, in a process of its own.
 """
 
 from __future__ import annotations
 
+import resource
+import subprocess
+import sys
 from time import perf_counter
 
 import numpy as np
@@ -44,7 +48,55 @@ def run() -> list[tuple[str, ...]]:
             f"each pair in full, from {6 * SAMPLE}", f"{each * total:.0f} s", f"{each * 1e6:.0f} us",
             f"{each * total / chosen:.0f}", f"{agree} of {6 * SAMPLE} equal",
         ),
+        *run_cases(catalogue, chosen),
+        run_memory(),
     ]  # fmt: skip
+
+
+def run_cases(catalogue: ps.Catalogue, one: float) -> list[tuple[str, ...]]:
+    """The same pairs in five load cases; goal: three times as long as one."""
+    cases = load_cases()
+    start = perf_counter()
+    selection = ps.size(cases, catalogue=catalogue, keep=KEEP)
+    took = perf_counter() - start
+    strong = sum(int(joint.is_feasible.sum()) for joint in selection.joints)
+    total = 6 * catalogue.n_pairs
+    return [
+        (
+            f"{len(cases)} load cases", f"{took:.1f} s", f"{took / total * 1e6:.1f} us", f"{took / one:.2f}",
+            f"{strong:,} fit",
+        )
+    ]  # fmt: skip
+
+
+def load_cases() -> list[ps.sizing.LoadCase]:
+    """Three payloads, a faster cycle, and one that waits."""
+    robot = ps.load_robot()
+
+    def case(mass: float, stretch: float, dwell: float) -> ps.sizing.LoadCase:
+        there = ps.compute_motion(
+            robot.with_payload(ps.Payload(mass=mass)), ps.septic(POINTS, np.multiply(TIMES, stretch))
+        )
+        cycle = ps.cycle.with_return(there, dwell=dwell, robot_back=robot)
+        return ps.sizing.LoadCase(name=f"{mass} kg, {stretch} times, {dwell} s", cycle=cycle)
+
+    return [
+        case(*given) for given in ((2.5, 1.0, 1.0), (0.0, 1.0, 1.0), (1.25, 1.0, 0.5), (2.5, 0.8, 1.0), (2.5, 1.0, 5.0))
+    ]
+
+
+def run_memory() -> tuple[str, ...]:
+    """Largest memory of a process that selects from 1.2 million pairs at six joints; goal: 1 GiB."""
+    done = subprocess.run([sys.executable, __file__, "memory"], capture_output=True, text=True, check=True)
+    seconds, mebibytes = done.stdout.split()
+    return ("1,200,000 pairs at 6 joints", f"{float(seconds):.0f} s", "", "", f"{float(mebibytes):.0f} MiB at most")
+
+
+def memory() -> None:
+    """Print how long 1.2 million pairs at six joints take, s, and the largest memory of this process, MiB."""
+    start = perf_counter()
+    ps.size(paper_cycle(), catalogue=made_up_catalogue(1200, 1000), keep=KEEP)
+    print(perf_counter() - start, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
 
 
 def paper_cycle() -> ps.Cycle:
@@ -54,13 +106,13 @@ def paper_cycle() -> ps.Cycle:
     return ps.cycle.with_return(there, dwell=1.0, robot_back=robot)
 
 
-def made_up_catalogue() -> ps.Catalogue:
+def made_up_catalogue(motors: int = MOTORS, gearboxes: int = GEARBOXES) -> ps.Catalogue:
     """Parts of random sizes, whose values grow with their size as those of real ones do; full data sheets."""
     rng = np.random.default_rng(560)
     return ps.Catalogue(
-        motors=[_motor(f"M{k}", *rng.uniform(0.7, 1.4, 4), size) for k, size in enumerate(rng.uniform(-2, 1, MOTORS))],
+        motors=[_motor(f"M{k}", *rng.uniform(0.7, 1.4, 4), size) for k, size in enumerate(rng.uniform(-2, 1, motors))],
         gearboxes=[
-            _gearbox(f"G{k}", *rng.uniform(0.7, 1.4, 3), size) for k, size in enumerate(rng.uniform(0, 2, GEARBOXES))
+            _gearbox(f"G{k}", *rng.uniform(0.7, 1.4, 3), size) for k, size in enumerate(rng.uniform(0, 2, gearboxes))
         ],
     )
 
@@ -114,5 +166,8 @@ def in_full(load: ps.sizing.JointLoad, train: ps.Drivetrain) -> bool:
 
 
 if __name__ == "__main__":
+    if sys.argv[1:] == ["memory"]:
+        memory()
+        sys.exit()
     for row in run():
         print("  ".join(f"{cell:36}" for cell in row))

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final, final
+from typing import Final, NamedTuple, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from puma_septic.sizing._gearbox import expected_life
 from puma_septic.sizing._load_features import LoadGrid
 from puma_septic.sizing._pair_features import PairTable
 from puma_septic.validation import Array
 
-__all__ = ["Bounds", "PairDemands", "expected_lives", "utilisation"]
+__all__ = ["Bounds", "PairDemands", "PeakBounds", "expected_lives", "utilisation"]
 
 # Lower and upper bound of a demand, or of a utilisation, each of shape (n_pairs,); NaN: not assessed.
 Bounds = tuple[Array, Array]
@@ -24,6 +25,18 @@ _ROUNDING: Final = 1e-9
 _BLOCK: Final = 2048
 # Instants at which torque is checked against a curve over speed, for the lower bound.
 _CURVE_INSTANTS: Final = 96
+
+
+class PeakBounds(NamedTuple):
+    """Peaks of the motor's torque, mechanical power and voltage."""
+
+    torque: Bounds
+    power: Bounds
+    voltage: Bounds
+
+    def at(self, places: NDArray[np.bool_]) -> PeakBounds:
+        """Those of some pairs."""
+        return PeakBounds(*((low[places], high[places]) for low, high in self))
 
 
 @final
@@ -39,11 +52,14 @@ class PairDemands:
     table : PairTable
     momentary_torque_at_joint : float
         Of a collision or emergency stop.
+    shared : PeakBounds or None
+        Peaks in all load cases at once, in place of those in this one: what counts is the largest of all.
     """
 
     grid: LoadGrid
     table: PairTable
-    momentary_torque_at_joint: float
+    momentary_torque_at_joint: float = np.nan
+    shared: PeakBounds | None = None
 
     def limit(self, part: str, name: str) -> Array:
         """A value of each pair's motor, gearbox or drive.
@@ -56,6 +72,8 @@ class PairDemands:
 
     @cached_property
     def _torque_and_power(self) -> tuple[Bounds, Bounds]:
+        if self.shared is not None:
+            return self.shared.torque, self.shared.power
         return _peaks(self.grid, self.table)
 
     @property
@@ -101,7 +119,7 @@ class PairDemands:
     @property
     def peak_voltage(self) -> Bounds:
         """At the motor's terminals."""
-        return _voltage(self.grid, self.table)
+        return _voltage(self.grid, self.table) if self.shared is None else self.shared.voltage
 
     @property
     def _top_speed(self) -> Array:
@@ -165,6 +183,11 @@ class PairDemands:
     def mean_braked_power(self) -> Bounds:
         """In the brake resistor."""
         return self._electric["mean braked"]
+
+    @property
+    def peaks(self) -> PeakBounds:
+        """The peaks that take the longest to compute."""
+        return PeakBounds(self.peak_torque, self.peak_power, self.peak_voltage)
 
     def _same(self, demand: float) -> Bounds:
         """One number for all pairs."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from puma_septic.drives import Drive, Gearbox, Motor
 from puma_septic.limit_check import Kind, LimitCheck
-from puma_septic.sizing._bounds import Bounds, PairDemands, utilisation
+from puma_septic.sizing._bounds import Bounds, PairDemands, PeakBounds, utilisation
 from puma_septic.sizing._demands import Demands, Peak
 from puma_septic.sizing._load_features import LoadGrid
 from puma_septic.sizing._pair_features import PairTable
@@ -267,7 +267,12 @@ def assess_joint(demands: Demands) -> tuple[Outcome, ...]:
 
 
 def utilisation_bounds(
-    grid: LoadGrid, table: PairTable, *, momentary_torque: float = np.nan, only: Container[str] | None = None
+    grid: LoadGrid,
+    table: PairTable,
+    *,
+    momentary_torque: float = np.nan,
+    only: Container[str] | None = None,
+    shared: PeakBounds | None = None,
 ) -> dict[str, Bounds]:
     """Utilisation of each limit that can reject by all pairs at a joint.
 
@@ -279,6 +284,8 @@ def utilisation_bounds(
         At the gearbox's output; the joint's own where it is not known.
     only : container of str, optional
         The checks that count.
+    shared : PeakBounds, optional
+        Peaks in all load cases at once.
 
     Returns
     -------
@@ -286,7 +293,7 @@ def utilisation_bounds(
         By the quantities of `assess_joint`.
     """
     momentary = float(np.fmax(momentary_torque, table.place.momentary_torque))
-    demands = PairDemands(grid=grid, table=table, momentary_torque_at_joint=momentary)
+    demands = PairDemands(grid=grid, table=table, momentary_torque_at_joint=momentary, shared=shared)
     return {
         limit.quantity: limit.bounds(demands)
         for limit in DRIVE_LIMITS

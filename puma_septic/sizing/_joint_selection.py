@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from puma_septic.drives import Catalogue, Drivetrain, lacking_of_pairs, names_of
 from puma_septic.limit_check import AT_LIMIT, LimitCheck
-from puma_septic.sizing._bounds import expected_lives
+from puma_septic.sizing._bounds import PairDemands, PeakBounds, expected_lives
 from puma_septic.sizing._candidates import Candidate, assessed
 from puma_septic.sizing._checks import DRIVE_LIMITS, utilisation_bounds
 from puma_septic.sizing._conditions import Conditions
 from puma_septic.sizing._load_cases import LIFE, JointCase, shared_life
+from puma_septic.sizing._load_features import LoadGrid, merged_peaks
 from puma_septic.sizing._pair_features import PairParts, PairTable, pair_parts
 from puma_septic.validation import Array, checked_choice
 
@@ -284,8 +285,9 @@ class _Judge:
         low, high = np.zeros((2, n))
         code, unsure = np.zeros(n, dtype=np.int32), np.zeros(n, dtype=np.int64)
         left, rows, lives = table, np.arange(n), list[Array]()
+        shared = None if self._merged is None else PairDemands(grid=self._merged, table=table).peaks
         for c, case in enumerate(self.cases):
-            own_low, own_high = self._of_case(case, left)
+            own_low, own_high = self._of_case(case, left, shared)
             worst, own = own_low.argmax(axis=0), own_low.max(axis=0)
             is_worse = own > low[rows]
             code[rows[is_worse]] = c * len(self._checks) + worst[is_worse]
@@ -293,19 +295,29 @@ class _Judge:
             for bit, is_unsure in enumerate(own_high > 1):
                 unsure[rows] |= is_unsure.astype(np.int64) << bit
             stays = low[rows] <= _CERTAIN
+            if len(self.cases) == 1 or not stays.any():
+                return low, high, code, unsure
             lives = [life[stays] for life in (*lives, expected_lives(case.grid, left))]
             left, rows = left.at(stays), rows[stays]
-            if not len(rows):
-                return low, high, code, unsure
-        if len(self.cases) > 1:
+            shared = None if shared is None else shared.at(stays)
+        if lives:
             use = self._life_use(np.array(lives))
             code[rows[use > low[rows]]] = len(self.names) - 1
             low[rows], high[rows] = np.fmax(low[rows], use), np.fmax(high[rows], use * (1 + 1e-9))
         return low, high, code, unsure
 
-    def _of_case(self, case: JointCase, table: PairTable) -> tuple[Array, Array]:
+    @cached_property
+    def _merged(self) -> LoadGrid | None:
+        """The ordinary cases as one, for their peaks; None where there is only one."""
+        grids = [case.grid for case in self.cases if case.only is None]
+        return merged_peaks(grids) if len(grids) > 1 else None
+
+    def _of_case(self, case: JointCase, table: PairTable, shared: PeakBounds | None) -> tuple[Array, Array]:
         """Each check's utilisation over what may be used, from below and above, shape (n_checks, n); 0: not made."""
-        bounds = utilisation_bounds(case.grid, table, momentary_torque=case.momentary_torque, only=case.only)
+        own = shared if case.only is None else None
+        bounds = utilisation_bounds(
+            case.grid, table, momentary_torque=case.momentary_torque, only=case.only, shared=own
+        )
         low, high = np.zeros((2, len(self._checks), len(table.rows)))
         for i, name in enumerate(self._checks):
             if name in bounds and not (name == LIFE and len(self.cases) > 1):

@@ -11,7 +11,8 @@ one exceeds in acceleration, torque and velocity at once cannot be the largest f
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 import numpy as np
@@ -24,7 +25,7 @@ from puma_septic.sizing._loads import JointLoad
 from puma_septic.sizing._ratios import LoadMoments, load_moments
 from puma_septic.validation import Array
 
-__all__ = ["LoadGrid", "load_grid"]
+__all__ = ["LoadGrid", "load_grid", "merged_peaks"]
 
 # Chebyshev points per degree: samples are within 0.5 % of the peak.
 _DENSITY: Final = 16
@@ -104,6 +105,41 @@ def load_grid(load: JointLoad) -> LoadGrid:
         driving=_one_sign(load, torque, 1.0),
         driven=_one_sign(load, torque, -1.0),
     )
+
+
+def merged_peaks(grids: Sequence[LoadGrid]) -> LoadGrid:
+    """The instants of several loads among which the largest torque, and power, of any drive train lies.
+
+    Only what peaks need is of all: rows, remainder and highest speed; the rest is that of the first.
+
+    Returns
+    -------
+    LoadGrid
+    """
+    torque, power = (np.vstack([getattr(grid, name) for grid in grids]) for name in ("torque_rows", "power_rows"))
+    speeds = np.concatenate([grid.power_speeds for grid in grids])
+    rows = _both_fronts(_coordinates(torque), _kinds(torque))
+    power_rows = _both_fronts(_coordinates(power) * np.column_stack([speeds, speeds, np.sign(speeds)]), _kinds(power))
+    fastest = max(grid.moments.peak_speed for grid in grids)
+    return replace(
+        grids[0],
+        moments=replace(grids[0].moments, peak_speed=fastest),
+        torque_rows=torque[rows],
+        power_rows=power[power_rows],
+        power_speeds=speeds[power_rows],
+        remainder=max(grid.remainder for grid in grids),
+    )
+
+
+def _coordinates(features: Array) -> Array:
+    """Acceleration, torque and velocity."""
+    return np.column_stack([features[:, 0], features[:, 1:4].sum(axis=1), features[:, _VELOCITY]])
+
+
+def _kinds(features: Array) -> Array:
+    """By the signs of power and velocity."""
+    power = np.sign(np.abs(features[:, 1])) - np.sign(np.abs(features[:, 3]))
+    return np.asarray(power * 3 + features[:, 5] + features[:, 6])
 
 
 def _instants(torque: Piecewise, more: int) -> tuple[NDArray[np.int64], Array, float]:

@@ -29,6 +29,8 @@ from puma_septic.report.folder import file_names
 from puma_septic.robot import load_drivetrains, load_electronics
 from puma_septic.sizing import LoadCase, Selection, Sizing, conditions_of, cycle_case, load_cases_of, size
 from puma_septic.task import ConditionsSection, Task, make_task, resolve_cycle, resolve_task
+from puma_septic.views import selection as selection_view
+from puma_septic.views import sizing as sizing_view
 
 __all__ = ["answer"]
 
@@ -40,11 +42,22 @@ def answer(arguments: Namespace) -> Answer:
     """Size the arm's own drives, or choose from a catalogue."""
     asked = _asked(arguments)
     found = _own_sizing(arguments, asked) if arguments.catalogue is None else _selection(arguments, asked)
-    document = {**asked.document, **found.to_dict(), "inputs": _inputs(arguments)}
+    own = found.to_dict()
+    conditions = {**_of_the_cycle(asked.conditions), **own["conditions"]}
+    document = {**asked.document, **own, "conditions": conditions, "inputs": _inputs(arguments)}
     if arguments.out is not None:
         _write_folder(arguments, found, document, f"{asked.name}: sizing")
     text = with_report(_text(arguments, asked, found, document), arguments)
     return Answer(text, asked.code or _code(found))
+
+
+def _of_the_cycle(section: ConditionsSection | None) -> dict[str, Any]:
+    """The conditions that shape cycle and arm."""
+    if section is None:
+        return {}
+    return section.model_dump(
+        mode="json", exclude_unset=True, include={"cycles_per_minute", "brake_at_rest", "own_masses"}
+    )
 
 
 def _code(found: Sizing | Selection) -> int:
@@ -201,7 +214,8 @@ def _text(arguments: Namespace, asked: _Asked, found: Sizing | Selection, docume
     steps = [_step(step) for step in found.load_cases[0].cycle.steps]
     case = f" of {found.load_cases[0].name!r}" if found.load_cases[0].name else ""
     head = f"{asked.head}{case}: {', '.join(steps)}"
-    return "\n\n".join([wrapped(head), wrapped(str(found)), *_more(found)])
+    view = sizing_view if isinstance(found, Sizing) else selection_view
+    return "\n\n".join([wrapped(head), wrapped(view.text(document)), *_more(found)])
 
 
 def _step(step: Motion | Dwell) -> str:

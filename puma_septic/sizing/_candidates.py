@@ -126,11 +126,12 @@ def _window(demands: Demands, grid: LoadGrid) -> RatioWindow | None:
 
 
 def _common(windows: list[RatioWindow | None]) -> RatioWindow | None:
-    """The ratios that do in every case; the optimum is that of the first."""
+    """The ratios that do in every case; the optimum is that of the first in which the joint moves."""
     known = [window for window in windows if window is not None]
     if len(known) < len(windows) or not known:
         return None
     least, most = max(window.least for window in known), min(window.most for window in known)
     if any(window.is_empty for window in known) or not least <= most:
         least = most = np.nan
-    return RatioWindow(least=least, most=most, optimal=known[0].optimal)
+    optimal = next((window.optimal for window in known if np.isfinite(window.optimal)), np.inf)
+    return RatioWindow(least=least, most=most, optimal=optimal)

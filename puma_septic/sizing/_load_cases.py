@@ -50,6 +50,7 @@ class LoadCase:
     Parameters
     ----------
     name : str
+        Cases that concern different joints may have the same.
     cycle : Cycle
     share : float
         Of the operating time, relative to the other cases; it counts for the life of the gearboxes and for energy. 0: a
@@ -60,6 +61,8 @@ class LoadCase:
         An emergency stop: its peaks are held against what parts bear rarely, its means against nothing.
     is_powered : bool
         Of a rare case: whether the motors do it, and not the brakes.
+    note : str
+        What more a reader wants to know.
 
     Examples
     --------
@@ -80,6 +83,7 @@ class LoadCase:
     joints: tuple[str, ...] = ()
     is_rare: bool = False
     is_powered: bool = True
+    note: str = ""
 
     def __post_init__(self) -> None:
         if not isinstance(self.cycle, Cycle):
@@ -155,16 +159,16 @@ def checked_cases(what: object) -> tuple[LoadCase, ...]:
             f"size takes a Cycle or a sequence of LoadCase, got {type(what).__name__}; Cycle(steps=[motion]) makes one"
             " of a motion"
         )
-    names = [case.name for case in cases]
+    names = [(case.name, joint) for case in cases for joint in case.joints or case.cycle.joint_names]
     if twice := next((name for name in names if names.count(name) > 1), None):
-        raise InputError(f"load case {twice!r} occurs twice; each needs a name of its own")
+        raise InputError(f"load case {twice[0]!r} occurs twice; each needs a name of its own")
     arms = {case.cycle.joint_names for case in cases}
     if len(arms) > 1:
         raise InputError(f"load cases of one arm; got joints {' and '.join(', '.join(arm) for arm in sorted(arms))}")
     if not any(case.share for case in cases):
         raise InputError("no load case has a share of the operating time; give at least one a share above 0")
     if cases[0].joints or cases[0].is_rare:
-        raise InputError(f"load case {names[0]!r}: the first one must concern all joints, and not be a rare one")
+        raise InputError(f"load case {cases[0].name!r}: the first one must concern all joints, and not be a rare one")
     return cases
 
 

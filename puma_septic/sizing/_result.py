@@ -251,8 +251,8 @@ class Sizing:
         j = self.cycle.joint_names.index(checked_choice("joint", joint, self.cycle.joint_names))
         step = checked_number("step", step, unit="s", above=0.0)
         load = self.demands[j].load
-        names = [case.name for case in self.load_cases]
-        cycle = self.load_cases[names.index(self.telling_cases[j])].cycle
+        name = self.telling_cases[j]
+        cycle = next(c.cycle for c in self.load_cases if c.name == name and (not c.joints or joint in c.joints))
         left, right = load.torque.ends()
         parts = []
         for k, (start, end) in enumerate(pairwise(load.torque.breaks.tolist())):
@@ -358,6 +358,7 @@ def case_document(case: LoadCase) -> dict[str, Any]:
         "payloads": [_payload(step) for step in case.cycle.steps if isinstance(step, Motion)],
         "joints": list(case.joints),
         "is_rare": case.is_rare,
+        "note": case.note,
     }
 
 

@@ -125,19 +125,20 @@ def _of_payload_range(resolved: ResolvedTask, section: LoadCaseSection) -> Itera
 def _of_worst_pose(resolved: ResolvedTask, section: LoadCaseSection) -> Iterator[LoadCase]:
     duration = _cycle(resolved, resolved.robot, section).duration
     for joint, cycle in worst_poses(_loaded(resolved, section), duration):
-        yield LoadCase(name=f"{section.name}, {joint}", cycle=cycle, share=_share(section, 0.0), joints=(joint,))
+        yield LoadCase(name=section.name, cycle=cycle, share=_share(section, 0.0), joints=(joint,))
 
 
 def _of_emergency_stop(resolved: ResolvedTask, section: LoadCaseSection) -> Iterator[LoadCase]:
     motion = compute_motion(_loaded(resolved, section), resolved.trajectories[0])
     for joint, instant, cycle in worst_stops(motion, section.time or 0.0):
         yield LoadCase(
-            name=f"{section.name}, {joint} from t = {instant:.4g} s",
+            name=section.name,
             cycle=cycle,
             share=0.0,
             joints=(joint,),
             is_rare=True,
             is_powered=section.category == 1,
+            note=f"from t = {instant:.4g} s, category {section.category}",
         )
 
 

@@ -39,7 +39,8 @@ def html(document: Document) -> str:
     """The same for a page or a notebook; every text is escaped."""
     parts = [f"<p><strong>{escape(_title(document))}</strong></p>"]
     for head, table, note in _sections(document):
-        parts.append(html_table(*table, caption=head + (f". {note}" if note else "")))
+        together = html_table(*table).replace(" %</td>", "&nbsp;%</td>")
+        parts += [f"<h4>{escape(head)}</h4>", together, *([f"<p>{escape(note)}</p>"] if note else [])]
     lines = [*_explanations(document), *(f"Note: {note}" for note in document["notes"])]
     return "\n".join([*parts, *(f"<p>{escape(line)}</p>" for line in lines)])
 
@@ -61,7 +62,7 @@ def _title(document: Document) -> str:
 
 def _power(totals: Document) -> str:
     power = numeric(totals["mean_drawn_power"])
-    return "" if isnan(power) else f"the motors draw {number(power)} W on average, together"
+    return "" if isnan(power) else f"Together the motors draw {number(power)} W on average."
 
 
 Table = tuple[list[str], list[list[Cell]]]
@@ -134,20 +135,28 @@ def _conditions(conditions: Document) -> Table:
 
 def _listed(value: Any) -> str:
     values = value if isinstance(value, Sequence) and not isinstance(value, str) else [value]
-    return ", ".join("as the joint has it" if one is None else f"{one:g}" for one in values)
+    words = {None: "as the joint has it", True: "yes", False: "no"}
+    return ", ".join(words[one] if one is None or isinstance(one, bool) else f"{one:g}" for one in values)
 
 
 def _cases(cases: Sequence[Document]) -> Table:
+    """Those of one name, each for a joint, in one row."""
     total = sum(case["share"] for case in cases)
+    groups: dict[str, list[Document]] = {}
+    for case in cases:
+        groups.setdefault(case["name"], []).append(case)
     rows: list[list[Cell]] = [
         [
-            case["name"], f"{100 * case['share'] / total:.3g} %", f"{case['duration']:.4g}",
-            ", ".join(f"{mass:g}" for mass in case["payloads"]), ", ".join(case["joints"]) or "all",
-            "rare" if case["is_rare"] else "",
+            name, f"{100 * sum(case['share'] for case in group) / total:.3g} %", f"{group[0]['duration']:.4g}",
+            ", ".join(f"{mass:g}" for mass in group[0]["payloads"]), "; ".join(map(_whom, group)),
         ]
-        for case in cases
+        for name, group in groups.items()
     ]  # fmt: skip
-    return ["load case", "share", "duration [s]", "payloads [kg]", "joints", ""], rows
+    return ["load case", "share", "duration [s]", "payloads [kg]", "joints"], rows
+
+
+def _whom(case: Document) -> str:
+    return " ".join(filter(None, (", ".join(case["joints"]) or "all", case["note"])))
 
 
 def _pairs(document: Document) -> Table:

@@ -44,7 +44,7 @@ def example_files(folder: Path, page: str) -> None:
     for language, text in blocks(page):
         if language == "yaml" and (name := re.match(r"name: (\w+)$", text, re.MULTILINE)):
             (folder / f"{name[1]}.yaml").write_text(text, encoding="utf-8")
-        if language == "csv" and (name := re.match(r"# (\w+\.csv)", text)):
-            (folder / name[1]).write_text(text, encoding="utf-8")
+        if language == "csv" and (file := re.match(r"# ([\w-]+\.csv)\b", text)):
+            (folder / file[1]).write_text(text, encoding="utf-8")
         if language == "toml" and 'robot = "arm"' in text:
             (folder / "arm.toml").write_text(text, encoding="utf-8")

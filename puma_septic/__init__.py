@@ -30,6 +30,7 @@ _HOMES: Final = {
     "InputError": "errors",
     "JointTrajectoryError": "ros",
     "Limits": "robot",
+    "ManyAssessments": "batch",
     "MaximumPayload": "limits",
     "MinimumDuration": "limits",
     "ModelError": "errors",
@@ -56,6 +57,7 @@ _HOMES: Final = {
     "acceleration_limits": "worst_case",
     "assess": "assessment",
     "assess_cycle": "cycle",
+    "assess_many": "batch",
     "assess_task": "task",
     "built_in_catalogue": "drives",
     "check_trajectory": "gate",
@@ -137,6 +139,8 @@ if TYPE_CHECKING:
     from puma_septic import vibration as vibration
     from puma_septic.assessment import Assessment as Assessment
     from puma_septic.assessment import assess as assess
+    from puma_septic.batch import ManyAssessments as ManyAssessments
+    from puma_septic.batch import assess_many as assess_many
     from puma_septic.comparison import Comparison as Comparison
     from puma_septic.comparison import compare as compare
     from puma_septic.cycle import Cycle as Cycle

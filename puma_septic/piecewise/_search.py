@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from puma_septic.piecewise import matrices
 from puma_septic.validation import Array
 
-__all__ = ["find_extrema", "find_sign_changes"]
+__all__ = ["find_extrema", "find_sign_changes", "sign_changes"]
 
 Index = NDArray[np.int64]
 Flags = NDArray[np.bool_]
@@ -105,17 +105,23 @@ def find_sign_changes(breaks: Array, coefficients: Array, noise: Array | None = 
     """
     _, n, m = coefficients.shape
     series = coefficients.reshape(-1, n * m)
-    noise = _ROUNDING * np.abs(series).sum(axis=0) if noise is None else noise.reshape(-1)
+    column, x = sign_changes(series, None if noise is None else noise.reshape(-1))
+    joint, roots = column % m, _times(breaks, column // m, x)
+    return tuple(np.sort(roots[joint == j]) for j in range(m))
+
+
+def sign_changes(series: Array, noise: Array | None = None) -> tuple[Index, Array]:
+    """Column and x of every sign change of many series (degree + 1, c) inside (-1, 1); noise as `find_sign_changes`."""
+    noise = _ROUNDING * np.abs(series).sum(axis=0) if noise is None else noise
     columns = np.flatnonzero(_may_change_sign(series))
-    at, times = [np.empty(0, dtype=np.int64)], [np.empty(0)]
+    at, places = [np.empty(0, dtype=np.int64)], [np.empty(0)]
     for block in _blocks(columns, len(series) - 1):
         some = series[:, block]
         cells = _eighths(some) if len(some) <= _LOCAL + 1 else _cells_with_zeros(some)
         column, x = _sign_changes(some, cells, noise[block])
         at.append(block[column])
-        times.append(_times(breaks, block[column] // m, x))
-    joint, roots = np.concatenate(at) % m, np.concatenate(times)
-    return tuple(np.sort(roots[joint == j]) for j in range(m))
+        places.append(x)
+    return np.concatenate(at), np.concatenate(places)
 
 
 def _may_change_sign(series: Array) -> Flags:

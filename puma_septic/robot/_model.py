@@ -214,6 +214,8 @@ class Robot:
 
         A continuous joint takes two places there, the cosine and the sine of its angle.
         """
+        if self._is_in_order and not self.is_continuous.any():
+            return np.ascontiguousarray(q)
         result = np.empty((len(q), self.model.nq))
         result[:, self._index_q] = q
         if self.is_continuous.any():
@@ -223,13 +225,20 @@ class Robot:
 
     def tangents(self, v: Array) -> Array:
         """Pinocchio's velocities (or accelerations), shape (n, nv), of joint values, shape (n, n_joints)."""
+        if self._is_in_order:
+            return np.ascontiguousarray(v)
         result = np.empty((len(v), self.model.nv))
         result[:, self._index_v] = v
         return result
 
+    @property
+    def _is_in_order(self) -> bool:
+        """Whether Pinocchio has one velocity for each joint, in this order."""
+        return self.n_joints == self.model.nv and bool((self._index_v[1:] > self._index_v[:-1]).all())
+
     def from_tangents(self, values: Array) -> Array:
         """Joint values, shape (n, n_joints), of Pinocchio's, shape (n, nv): the inverse of `tangents`."""
-        return values[:, self._index_v]
+        return values if self._is_in_order else values[:, self._index_v]
 
     def with_payload(self, payload: Payload | None) -> Robot:
         """The same arm carrying this payload instead (None: nothing)."""

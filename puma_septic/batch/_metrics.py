@@ -1,0 +1,207 @@
+"""Peaks and root mean squares of a stack of motions."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from puma_septic.batch._stack import Index, Stack, fit_torque, friction_steps
+from puma_septic.piecewise import matrices
+from puma_septic.piecewise.peaks import Peaks, Steps, bounds, find_peaks
+from puma_septic.robot import Robot
+from puma_septic.validation import Array
+
+__all__ = ["Metrics", "metrics_of"]
+
+
+# A step below this part of the motion's largest velocity or acceleration is none, from the other on it is one; between
+# them the single assessment decides.
+_NO_STEP: Final = 1e-10
+_STEP: Final = 1e-5
+
+
+class Metrics(NamedTuple):
+    """Of each motion and joint, (n_motions, n_joints), by quantity; times since the start of each motion, s.
+
+    `bounds` are certified; of the position on both sides, (2, n_motions, n_joints).
+
+    `odd` marks motions whose numbers do not hold: they are for the single assessment.
+    """
+
+    peaks: dict[str, Array]
+    times: dict[str, Array]
+    bounds: dict[str, Array]
+    rms: dict[str, Array]
+    reach: Array
+    odd: NDArray[np.bool_]
+    n_samples: int
+
+
+def metrics_of(robot: Robot, stack: Stack, n_motions: int) -> Metrics:
+    """Kinematic peaks and those of the torque with Coulomb friction, exactly."""
+    m = robot.n_joints
+    duration = np.bincount(stack.owner, weights=stack.lengths, minlength=n_motions)
+    reach, swing, kinematic = _kinematic(stack, n_motions)
+    smooth, degrees, n_samples = fit_torque(robot, stack, n_motions)
+    torque, torque_times, torque_bound, torque_squares = np.zeros((4, n_motions, m))
+    odd = degrees == 0
+    # Each degree apart: the longest series would make the others as long.
+    for degree in np.unique(degrees[~odd]).tolist():
+        motions = np.flatnonzero(degrees == degree)
+        some, pieces = stack.of(motions)
+        found = _torque(robot, some, len(motions), smooth[: degree + 1, pieces])
+        for target, values in zip((torque, torque_times, torque_bound, torque_squares), found[:4], strict=True):
+            target[motions] = values
+        odd[motions] |= found.odd
+    peaks = {name: one.size.reshape(-1, m) for name, one in kinematic.items()}
+    times = {name: _times(one, stack, m) for name, one in kinematic.items()}
+    limits = {name: one.bound.reshape(-1, m) for name, one in kinematic.items()}
+    squares = {name: _squares(stack.state[:, :, k], stack, n_motions) for k, name in enumerate(kinematic, start=1)}
+    squares["effort"] = torque_squares
+    odd |= _unbounded_jerk(stack, n_motions, peaks, times, squares)
+    return Metrics(
+        peaks=peaks | {"effort": torque},
+        times=times | {"effort": torque_times},
+        bounds=limits | {"effort": torque_bound, "position": swing},
+        rms={name: np.sqrt(np.maximum(total, 0.0) / duration[:, None]) for name, total in squares.items()},
+        reach=reach,
+        odd=odd,
+        n_samples=n_samples,
+    )
+
+
+class _Torque(NamedTuple):
+    """Of each motion and joint; `squares` is the integral of the square."""
+
+    peak: Array
+    time: Array
+    bound: Array
+    squares: Array
+    odd: NDArray[np.bool_]
+
+
+def _torque(robot: Robot, stack: Stack, n_motions: int, smooth: Array) -> _Torque:
+    """From the smooth torque (degree + 1, n, n_joints)."""
+    m = robot.n_joints
+    friction = friction_steps(robot, stack, n_motions)
+    series = smooth.reshape(len(smooth), -1)
+    group = (stack.owner[:, None] * m + np.arange(m)).ravel()
+    found = find_peaks(series, group, n_motions * m, friction.steps)
+    return _Torque(
+        found.size.reshape(-1, m),
+        _times(found, stack, m),
+        found.bound.reshape(-1, m),
+        _torque_squares(series, friction.steps, stack, n_motions, m),
+        friction.odd,
+    )
+
+
+def _kinematic(stack: Stack, n_motions: int) -> tuple[Array, Array, dict[str, Peaks]]:
+    """Least and greatest positions, certified bounds of them, (2, n_motions, m) each, and peaks by order."""
+    size, n, _, m = stack.state.shape
+    q = stack.state[:, :, 0].reshape(size, -1)
+    # Beyond what any joint reaches in magnitude, the largest magnitude is the greatest value.
+    beyond = 2 * float(np.abs(q).sum(axis=0).max()) + 1.0
+    shifted = np.concatenate([-q, q], axis=1)
+    shifted[0] += beyond
+    rest = stack.state[:, :, 1:].transpose(0, 2, 1, 3).reshape(size, -1)
+    group = (stack.owner[:, None] * m + np.arange(m)).ravel()
+    count = n_motions * m
+    groups = np.concatenate([group + k * count for k in range(5)])
+    found = find_peaks(np.concatenate([shifted, rest], axis=1), groups, 5 * count)
+    parts = [_part(found, k, count, n * m) for k in range(5)]
+    reach = np.stack([-(parts[0].size - beyond), parts[1].size - beyond]).reshape(2, -1, m)
+    # About its first position, so that the bound's factor is one of the swing.
+    swing = _swing(stack, n_motions)
+    return reach, swing, dict(zip(("velocity", "acceleration", "jerk"), parts[2:], strict=True))
+
+
+def _swing(stack: Stack, n_motions: int) -> Array:
+    """Certified bounds of the positions on both sides, by Ehlich and Zeller about the middle of each interval."""
+    size, n, _, m = stack.state.shape
+    position = stack.state[:, :, 0].reshape(size, -1)
+    centred = position.copy()
+    centred[0] = 0.0
+    spread = bounds(centred)[1]
+    low = np.full((n_motions, m), np.inf)
+    high = -low
+    np.minimum.at(low, stack.owner, (position[0] - spread).reshape(n, m))
+    np.maximum.at(high, stack.owner, (position[0] + spread).reshape(n, m))
+    return np.stack([low, high])
+
+
+def _unbounded_jerk(
+    stack: Stack, n_motions: int, peaks: dict[str, Array], times: dict[str, Array], squares: dict[str, Array]
+) -> NDArray[np.bool_]:
+    """Write in what a step of the acceleration makes infinite; motions with a step of velocity, or a doubtful one."""
+    size, m = len(stack.state), stack.state.shape[3]
+    left, right = (np.tensordot(signs, stack.state, 1) for signs in (matrices.signs(size - 1), np.ones(size)))
+    first, last = (np.append(True, np.diff(stack.owner) != 0), np.append(np.diff(stack.owner) != 0, True))
+    before = np.where(first[:, None, None], 0.0, np.concatenate([right[:1], right[:-1]]))
+    gaps = np.concatenate([left - before, np.where(last[:, None, None], -right, 0.0)])[:, 1:3]
+    owner = np.concatenate([stack.owner] * 2)
+    at = np.concatenate([stack.start, stack.start + stack.lengths])
+    largest = np.stack([peaks["velocity"].max(axis=1), peaks["acceleration"].max(axis=1)], axis=1)[owner]
+    share = np.abs(gaps) / np.where(largest > 0, largest, 1.0)[:, :, None]
+    odd = np.zeros(n_motions, dtype=np.bool_)
+    odd[
+        owner[(share[:, 0] > _NO_STEP).any(axis=1) | ((share[:, 1] > _NO_STEP) & (share[:, 1] < _STEP)).any(axis=1)]
+    ] = True
+    step, joint = np.nonzero(share[:, 1] >= _STEP)
+    when = np.full((n_motions, m), np.inf)
+    np.minimum.at(when, (owner[step], joint), at[step])
+    stepped = np.isfinite(when)
+    peaks["jerk"][stepped], squares["jerk"][stepped], times["jerk"][stepped] = np.inf, np.inf, when[stepped]
+    return odd
+
+
+def _part(found: Peaks, k: int, count: int, columns: int) -> Peaks:
+    some = slice(k * count, (k + 1) * count)
+    return Peaks(
+        size=found.size[some],
+        column=found.column[some] - k * columns,
+        x=found.x[some],
+        at_points=found.at_points[some],
+        bound=found.bound[some],
+    )
+
+
+def _times(found: Peaks, stack: Stack, m: int) -> Array:
+    piece = found.column // m
+    return np.asarray((stack.start[piece] + stack.lengths[piece] * (found.x + 1) / 2).reshape(-1, m))
+
+
+def _squares(series: Array, stack: Stack, n_motions: int) -> Array:
+    """Integrals of the squares of series (degree + 1, n, m) over each motion, (n_motions, m)."""
+    weighted = (matrices.gram_matrix(len(series) - 1) @ series.reshape(len(series), -1)).reshape(series.shape)
+    return _summed((series * weighted).sum(axis=0) * (stack.lengths / 2)[:, None], stack.owner, n_motions)
+
+
+def _summed(values: Array, owner: Index, n_motions: int) -> Array:
+    total = np.zeros((n_motions, values.shape[1]))
+    np.add.at(total, owner, values)
+    return total
+
+
+def _torque_squares(series: Array, steps: Steps, stack: Stack, n_motions: int, m: int) -> Array:
+    """The same of series with steps: of ``(f + c)^2`` on each run of a level c, ``f^2 + 2 c f + c^2``."""
+    smooth = _squares(series.reshape(len(series), -1, m), stack, n_motions)
+    integral = matrices.integral_matrix(len(series) - 1) @ series
+    total = integral.sum(axis=0)
+    level = np.cumsum(steps.size)
+    is_first = np.append(True, steps.column[1:] != steps.column[:-1])[: len(steps.column)]
+    first = np.flatnonzero(is_first)
+    # With levels as first + steps: the integral from a step to the end counts with the step's size.
+    at = (matrices.basis_at(steps.x, len(integral) - 1) * integral[:, steps.column]).sum(axis=0)
+    mixed = steps.first * total
+    np.add.at(mixed, steps.column, steps.size * (total[steps.column] - at))
+    before = steps.first[steps.column] + level - steps.size
+    if len(first):
+        starts = np.repeat((level - steps.size)[first], np.diff(np.append(first, len(level))))
+        before = before - starts
+    square = 2 * steps.first**2
+    np.add.at(square, steps.column, ((before + steps.size) ** 2 - before**2) * (1 - steps.x))
+    added = (2 * mixed + square).reshape(-1, m) * (stack.lengths / 2)[:, None]
+    return smooth + _summed(added, stack.owner, n_motions)

@@ -25,6 +25,7 @@ _HOMES: Final = {
     "Drivetrain": "drives",
     "Dwell": "cycle",
     "ElasticJoints": "simulation",
+    "Execution": "simulation",
     "Friction": "friction",
     "Gearbox": "drives",
     "InputError": "errors",
@@ -65,6 +66,7 @@ _HOMES: Final = {
     "compute_motion": "motion",
     "cycle": "cycle",
     "doctor": "doctor",
+    "execute": "simulation",
     "duration_sweep": "limits",
     "fit_residual": "logs",
     "fit_trajectory": "logs",
@@ -215,7 +217,9 @@ if TYPE_CHECKING:
     from puma_septic.ros import write_joint_trajectory as write_joint_trajectory
     from puma_septic.simulation import Controller as Controller
     from puma_septic.simulation import ElasticJoints as ElasticJoints
+    from puma_septic.simulation import Execution as Execution
     from puma_septic.simulation import Simulation as Simulation
+    from puma_septic.simulation import execute as execute
     from puma_septic.simulation import simulate as simulate
     from puma_septic.simulation import stop as stop
     from puma_septic.sizing import Selection as Selection

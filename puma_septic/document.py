@@ -22,6 +22,7 @@ SCHEMAS: Final = MappingProxyType(
         "comparison": "puma-septic/comparison/1",
         "cycle": "puma-septic/cycle/1",
         "doctor": "puma-septic/doctor/1",
+        "execution": "puma-septic/execution/1",
         "ik": "puma-septic/ik/1",
         "least-time": "puma-septic/least-time/1",
         "limits": "puma-septic/limits/1",

@@ -1,7 +1,7 @@
 """What is handed out: documents, CSV tables, figures, and folders of them."""
 
 from puma_septic.document import to_json
-from puma_septic.report._documents import assess_document, profile_labels
+from puma_septic.report._documents import assess_document, numbered, profile_labels
 from puma_septic.report.csv import metrics_csv, named_metrics_csv, samples_csv
 from puma_septic.report.folder import new_folder
 
@@ -10,6 +10,7 @@ __all__ = [
     "metrics_csv",
     "named_metrics_csv",
     "new_folder",
+    "numbered",
     "profile_labels",
     "samples_csv",
     "to_json",

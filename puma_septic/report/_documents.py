@@ -10,7 +10,7 @@ from puma_septic.assessment import Assessment
 from puma_septic.document import SCHEMAS
 from puma_septic.task import ResolvedTask
 
-__all__ = ["assess_document", "profile_labels"]
+__all__ = ["assess_document", "numbered", "profile_labels"]
 
 
 def assess_document(tasks: Sequence[tuple[ResolvedTask, Sequence[Assessment]]]) -> dict[str, Any]:
@@ -25,7 +25,11 @@ def assess_document(tasks: Sequence[tuple[ResolvedTask, Sequence[Assessment]]]) 
 
 def profile_labels(assessments: Sequence[Assessment]) -> list[str]:
     """The profiles' names, numbered where one occurs more than once."""
-    names = [one.motion.trajectory.profile for one in assessments]
+    return numbered([one.motion.trajectory.profile for one in assessments])
+
+
+def numbered(names: Sequence[str]) -> list[str]:
+    """Names, numbered where one occurs more than once."""
     return [name if names.count(name) == 1 else f"{name}-{names[: k + 1].count(name)}" for k, name in enumerate(names)]
 
 

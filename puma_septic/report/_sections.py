@@ -16,10 +16,13 @@ from puma_septic.motion import Motion
 from puma_septic.paper import PaperReport
 from puma_septic.pictures import Picture
 from puma_septic.pictures.comparison import comparison_picture
+from puma_septic.pictures.execution import execution_pictures
 from puma_septic.pictures.sizing import sizing_pictures
 from puma_septic.report._documents import profile_labels
+from puma_septic.simulation import Execution, Simulation
 from puma_septic.sizing import LoadCase, Selection, Sizing
 from puma_septic.task import ResolvedTask, Task
+from puma_septic.trajectory import Trajectory
 from puma_septic.views import profiles as view
 from puma_septic.views import selection as selection_view
 from puma_septic.views.cycle import steps_html
@@ -27,9 +30,20 @@ from puma_septic.views.tables import html_table
 
 __all__ = ["Case", "Reported", "case_of", "cycle_cases", "reason", "task_case"]
 
-Reported = Assessment | Sequence[Assessment] | Comparison | CycleAssessment | Sizing | Selection | PaperReport
+Reported = (
+    Assessment
+    | Sequence[Assessment]
+    | Comparison
+    | CycleAssessment
+    | Execution
+    | Sizing
+    | Selection
+    | PaperReport
+)
 # More curves than colours in one chart are told apart by nobody.
 _MOST_DRAWN: Final = 6
+# Each with its plan.
+_MOST_EXECUTED: Final = 2
 
 
 @final
@@ -106,6 +120,8 @@ def case_of(what: Reported, title: str | None, document: Mapping[str, Any] | Non
     """
     if isinstance(what, Comparison):
         return _comparison_case(what, title)
+    if isinstance(what, Execution):
+        return _execution_case(what, title)
     if isinstance(what, Sizing):
         return _sizing_case(what, title, what.to_dict() if document is None else document)
     if isinstance(what, Selection):
@@ -221,6 +237,34 @@ def _comparison_case(comparison: Comparison, title: str | None) -> Case:
         preface=_boxed(comparison._repr_html_() + note),
         pictures=(comparison_picture(comparison),),
     )
+
+
+def _execution_case(execution: Execution, title: str | None) -> Case:
+    """All profiles in the table; of the ones that tracked best, the executed and the planned arm are drawn."""
+    whole = {name: one for name, one in execution.simulations.items() if not one.has_diverged}
+    best = sorted(whole, key=lambda name: whole[name].metrics.tool_rms_error)[:_MOST_EXECUTED]
+    # Where every arm diverged, the plans are all there is to draw.
+    drawn = best or list(execution.simulations)[:_MOST_EXECUTED]
+    pairs = [
+        (label, assess(execution.robot, move))
+        for name in drawn
+        for label, move in _executed_and_planned(name, execution.simulations[name])
+    ]
+    word = "One diverged." if execution.has_diverged else "All stayed on their plans."
+    return Case(
+        title=_titled([one for _, one in pairs], title),
+        assessments=tuple(one for _, one in pairs),
+        labels=[label for label, _ in pairs],
+        is_feasible=not execution.has_diverged,
+        sentence=f"{len(execution.simulations)} trajectories simulated under one controller. {word}",
+        preface=_boxed(execution._repr_html_()),
+        pictures=execution_pictures(execution),
+    )
+
+
+def _executed_and_planned(name: str, simulation: Simulation) -> list[tuple[str, Trajectory]]:
+    planned = (f"{name}, planned", simulation.trajectory)
+    return [planned] if simulation.has_diverged else [(f"{name}, executed", simulation.executed), planned]
 
 
 def _sizing_case(sizing: Sizing, title: str | None, document: Mapping[str, Any]) -> Case:

@@ -75,7 +75,7 @@ def report_html(
 
     Parameters
     ----------
-    what : Assessment, sequence of Assessment, Comparison, CycleAssessment, Sizing, Selection or PaperReport
+    what : Assessment, sequence of Assessment, Comparison, CycleAssessment, Execution, Sizing, Selection or PaperReport
         Of one arm. Of a comparison the best profiles are drawn, and all are in its tables.
     title : str, optional
         Heading; the robot's name by default.

@@ -109,6 +109,8 @@ class Robot:
     coulomb_friction: Array = field(init=False)
     _index_q: NDArray[np.int64] = field(init=False, repr=False)
     _index_v: NDArray[np.int64] = field(init=False, repr=False)
+    # Whether Pinocchio's vectors are this package's: a simulation converts at every stage of its integrator.
+    _is_plain: bool = field(init=False, repr=False)
     is_continuous: NDArray[np.bool_] = field(init=False, repr=False)
     is_prismatic: NDArray[np.bool_] = field(init=False, repr=False)
 
@@ -128,6 +130,9 @@ class Robot:
             value.setflags(write=False)
         for name, value in (derived | _joint_side(self.drivetrains)).items():
             object.__setattr__(self, name, value)
+        own = np.arange(self.n_joints)
+        is_plain = self.bare_model.nq == self.n_joints and bool((self._index_q == own).all())
+        object.__setattr__(self, "_is_plain", is_plain)
         object.__setattr__(self, "model", self._loaded_model())
 
     def _check_consistent(self) -> None:
@@ -214,7 +219,7 @@ class Robot:
 
         A continuous joint takes two places there, the cosine and the sine of its angle.
         """
-        if self._is_in_order and not self.is_continuous.any():
+        if self._is_plain:
             return np.ascontiguousarray(q)
         result = np.empty((len(q), self.model.nq))
         result[:, self._index_q] = q
@@ -225,20 +230,15 @@ class Robot:
 
     def tangents(self, v: Array) -> Array:
         """Pinocchio's velocities (or accelerations), shape (n, nv), of joint values, shape (n, n_joints)."""
-        if self._is_in_order:
+        if self._is_plain:
             return np.ascontiguousarray(v)
         result = np.empty((len(v), self.model.nv))
         result[:, self._index_v] = v
         return result
 
-    @property
-    def _is_in_order(self) -> bool:
-        """Whether Pinocchio has one velocity for each joint, in this order."""
-        return self.n_joints == self.model.nv and bool((self._index_v[1:] > self._index_v[:-1]).all())
-
     def from_tangents(self, values: Array) -> Array:
         """Joint values, shape (n, n_joints), of Pinocchio's, shape (n, nv): the inverse of `tangents`."""
-        return values if self._is_in_order else values[:, self._index_v]
+        return values if self._is_plain else values[:, self._index_v]
 
     def with_payload(self, payload: Payload | None) -> Robot:
         """The same arm carrying this payload instead (None: nothing)."""

@@ -2,6 +2,7 @@
 
 from puma_septic.simulation._controller import LAWS, Controller, Gains
 from puma_septic.simulation._elasticity import ElasticJoints
+from puma_septic.simulation._execute import Execution, execute
 from puma_septic.simulation._integration import Divergence
 from puma_septic.simulation._metrics import METRICS, SETTLED, Metrics
 from puma_septic.simulation._simulate import LARGEST_STEP, REST_SPEED, simulate, simulate_all
@@ -22,6 +23,7 @@ __all__ = [
     "Divergence",
     "ElasticJoints",
     "EnergyBalance",
+    "Execution",
     "Gains",
     "Metrics",
     "Simulation",
@@ -29,6 +31,7 @@ __all__ = [
     "StopRow",
     "StopTable",
     "WorstStop",
+    "execute",
     "simulate",
     "simulate_all",
     "stop",

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from puma_septic.document import SCHEMAS, plain
 from puma_septic.kinematics import forward_kinematics
+from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
 from puma_septic.simulation._controller import Controller
 from puma_septic.simulation._elasticity import ElasticJoints
@@ -27,6 +28,9 @@ __all__ = ["EnergyBalance", "Simulation"]
 
 # The balance of energy is drawn up at this many samples at most.
 _MOST_BALANCED = 1000
+# Between the knots of the executed trajectory, s; and travel that is creep of smoothed friction, not motion, rad (m).
+_KNOTS = 0.02
+_STANDSTILL = 1e-4
 
 
 @final
@@ -165,6 +169,28 @@ class Simulation:
         return Plant.of(self.robot, () if self.elastic is None else (self.elastic,), self.rest_speed)
 
     @cached_property
+    def executed(self) -> Trajectory:
+        """The simulated motion as a trajectory: quintics between samples at least 20 ms apart, for drawing and tables.
+
+        They take over position, velocity and acceleration of the links there; what happens between is left out.
+        """
+        every = max(1, round(_KNOTS * len(self.t) / max(self.t[-1], _KNOTS)))
+        some = np.unique([*range(0, len(self.t) - 1, every), len(self.t) - 1])
+        t, q, v = self.t[some], self.q[some], self.v[some]
+        states = np.moveaxis(self.saved.states[some], 0, 1)
+        a = self._plant.slope(states, self.torque[some])[VELOCITY]
+        return Trajectory(
+            position=_quintics(t, q, v, a),
+            points=q,
+            times=t,
+            profile=f"{self.trajectory.profile}, executed",
+            joint_names=self.robot.joint_names,
+            rest_before=False,
+            rest_after=False,
+            resolution=_STANDSTILL,
+        )
+
+    @cached_property
     def energy(self) -> EnergyBalance:
         """Where the energy goes; see `EnergyBalance`."""
         some = np.unique(np.linspace(0, len(self.t) - 1, min(len(self.t), _MOST_BALANCED)).astype(int))
@@ -247,6 +273,18 @@ class Simulation:
 
     def _repr_html_(self) -> str:
         return view.simulation_html(self.to_dict())
+
+
+def _quintics(t: Array, q: Array, v: Array, a: Array) -> Piecewise:
+    """The piecewise quintic with these positions, velocities and accelerations at times (k,)."""
+    h = np.diff(t)[:, None]
+    v0, v1, a0, a1 = v[:-1] * h, v[1:] * h, a[:-1] * h**2, a[1:] * h**2
+    gap, turn, bend = q[1:] - q[:-1] - v0 - a0 / 2, v1 - v0 - a0, a1 - a0
+    powers = [
+        q[:-1], v0, a0 / 2,
+        10 * gap - 4 * turn + bend / 2, -15 * gap + 7 * turn - bend, 6 * gap - 3 * turn + bend / 2,
+    ]  # fmt: skip
+    return Piecewise.from_power(t, np.stack(powers))
 
 
 def _half_range(values: Array) -> Array:

@@ -29,15 +29,15 @@ _PROFILES: Final = (
     "rms",
     "at end",
     "settled",
-    "vibration",
+    "swing",
     "joints",
     "sat.",
     "energy",
 )
 _PROFILE_NOTE: Final = (
     "Time, s; distance of the tool from its plan, mm: the largest, the root mean square and at the end of the motion; s"
-    " until it stays within 0.1 mm; half its range after the end, mm; the largest deviation of a joint, mrad (mm); s at"
-    " the torque limit, summed over the joints; energy put in, J. From samples of a simulation."
+    " until it stays within 0.1 mm; swing: half its range after the end, mm; largest deviation of a joint, mrad (mm);"
+    " s at the torque limit, summed over the joints; energy put in, J. From samples of a simulation."
 )
 
 
@@ -62,7 +62,7 @@ def simulation_html(document: Document) -> str:
 
 
 def text(document: Document) -> str:
-    """One row for each profile, best first in the tool's root mean square error, and what they have in common."""
+    """One row for each profile, and what they have in common."""
     lines = [_common(document), "", text_table(_PROFILES, _profile_rows(document)), *wrap(_PROFILE_NOTE, _WIDTH)]
     for remark in _remarks(document):
         lines += ["", *wrap(remark, _WIDTH)]
@@ -169,7 +169,6 @@ def _profile_row(run: Document) -> list[Cell]:
 def _remarks(document: Document) -> list[str]:
     remarks = list(document["notes"])
     remarks += [f"{run['name']}: {_divergence(run['divergence'])}" for run in document["runs"] if run["divergence"]]
-    remarks += [f"Left out: {name}: {reason}" for name, reason in document["unsuitable"].items()]
     return remarks
 
 

@@ -26,6 +26,7 @@ MAKERS: dict[str, Callable[[], dict[str, Any]]] = {
     "accelerations": lambda: ps.acceleration_limits(ps.load_robot(), region=_corner()).to_dict(),
     "assessment": lambda: ps.assess(paper_motion()).to_dict(),
     "comparison": lambda: ps.compare(ps.load_robot(), POINTS, TIMES, profiles=["septic", "linear"]).to_dict(),
+    "execution": lambda: ps.execute(ps.load_robot(), {"small": small_move(ps.load_robot(), 0.2)}, settle=0.0).to_dict(),
     "least-time": lambda: ps.least_time(ps.septic, POINTS, TIMES, max_velocity=2.0, restarts=0).to_dict(),
     "maximum-payload": lambda: ps.maximum_payload(_quick_motion()).to_dict(),
     "minimum-duration": lambda: ps.minimum_duration(_quick_motion()).to_dict(),

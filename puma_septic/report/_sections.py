@@ -31,14 +31,7 @@ from puma_septic.views.tables import html_table
 __all__ = ["Case", "Reported", "case_of", "cycle_cases", "reason", "task_case"]
 
 Reported = (
-    Assessment
-    | Sequence[Assessment]
-    | Comparison
-    | CycleAssessment
-    | Execution
-    | Sizing
-    | Selection
-    | PaperReport
+    Assessment | Sequence[Assessment] | Comparison | CycleAssessment | Execution | Sizing | Selection | PaperReport
 )
 # More curves than colours in one chart are told apart by nobody.
 _MOST_DRAWN: Final = 6

@@ -40,6 +40,10 @@ _ROUNDINGS: Final = 64
 _VANISHING, _NEARLY = 1e-7, 0.02
 # What is left of a difference beyond its cubic part, where pieces are cubic.
 _CUBIC: Final = 1e-5
+# The difference of the polynomials, and its slopes, are known to so many roundings of the position, or deviations of
+# its noise: through seven samples and one step beyond them, 127 for its value. A step is this many times larger.
+_EXTRAPOLATED: Final = 1000
+_CERTAIN: Final = 50
 # A root so far outside its place, in steps of time, is at the border.
 _OUTSIDE: Final = 0.02
 # Breaks of two joints so close together, in steps of time, are one: by their order, as that is how well they are known.
@@ -84,12 +88,12 @@ def find_breaks(t: Array, q: Array, noise: Array, rests: Array) -> tuple[tuple[B
     before = t[0] + (t[1] - t[0]) * np.arange(-_SIDE, 0)
     after = t[-1] + (t[-1] - t[-2]) * np.arange(1, _SIDE + 1)
     times, padded = np.concatenate([before, t, after]), np.pad(q, ((_SIDE, _SIDE), (0, 0)), mode="edge")
-    floor = _ROUNDINGS * np.maximum(np.finfo(float).eps * np.abs(q).max(axis=0), noise)
+    rounding = np.maximum(np.finfo(float).eps * np.abs(q).max(axis=0), noise)
     found = []
-    for j, places in enumerate(_places(times, padded, floor)):
+    for j, places in enumerate(_places(times, padded, _ROUNDINGS * rounding)):
         # Where a joint does not rest at an end, nothing is known of what was beyond.
         span = slice(0 if rests[0, j] else _SIDE, len(times) - (0 if rests[1, j] else _SIDE))
-        found.append(_inside(t, _of_joint(times, padded[:, j], places, span)))
+        found.append(_inside(t, _of_joint(times, padded[:, j], places, span, _EXTRAPOLATED * float(rounding[j]))))
     return _united(t, found)
 
 
@@ -147,7 +151,7 @@ def _prominence(size: Array, order: int, span: int, floor: Array) -> Array:
     return np.asarray(prominence)
 
 
-def _of_joint(t: Array, q: Array, places: Sequence[Place], span: slice) -> list[tuple[int, float]]:
+def _of_joint(t: Array, q: Array, places: Sequence[Place], span: slice, uncertain: float) -> list[tuple[int, float]]:
     """Orders and times of the breaks of a joint: exact ones first, then those that come near to one."""
     free, found = np.zeros(len(t), np.bool_), list[tuple[int, float]]()
     free[span] = True
@@ -159,29 +163,27 @@ def _of_joint(t: Array, q: Array, places: Sequence[Place], span: slice) -> list[
 
                 if first - _SIDE + 1 < span.start or last + _SIDE > span.stop or not free[first : last + 1].all():
                     continue
-                if breaks := _steps(t, q, place._replace(first=first, last=last), allowed):
+                if breaks := _steps(t, q, place._replace(first=first, last=last), allowed, uncertain):
                     found += breaks
                     free[first : last + 1] = False
                     break
     return found
 
 
-def _steps(t: Array, q: Array, place: Place, allowed: float) -> list[tuple[int, float]]:
+def _steps(t: Array, q: Array, place: Place, allowed: float, uncertain: float) -> list[tuple[int, float]]:
     """Orders and times of the steps that make the polynomials on both sides of a place differ: one, or two of jerk."""
-    step, start = t[place.first + 1] - t[place.first], t[place.first]
+    start, step = t[place.first], t[place.first + 1] - t[place.first]
+    x, y = (t - start) / step, q - q[place.first]
     sides = slice(place.first + 1 - _SIDE, place.first + 1), slice(place.last, place.last + _SIDE)
-    left, right = (
-        Polynomial(np.linalg.solve(np.vander((t[side] - start) / step, increasing=True), q[side] - q[place.first]))
-        for side in sides
-    )
-    end = float((t[place.last] - start) / step)
-    found = _single(left - right, end, allowed) if place.last == place.first + 1 else []
+    left, right = (Polynomial(np.linalg.solve(np.vander(x[side], increasing=True), y[side])) for side in sides)
+    inner, end = slice(place.first + 1, place.last), float(x[place.last])
+    found = _single(left - right, end, allowed, uncertain) if place.last == place.first + 1 else []
     if not found and place.is_clear:
-        found = _two_of_jerk(left - right, end)
-    return [(order, float(start + min(max(x, 0.0), end) * step)) for order, x in found]
+        found = _two_of_jerk(left - right, end, x[inner], left(x[inner]) - y[inner], uncertain)
+    return [(order, float(start + min(max(at, 0.0), end) * step)) for order, at in found]
 
 
-def _single(difference: Polynomial, end: float, allowed: float) -> list[tuple[int, float]]:
+def _single(difference: Polynomial, end: float, allowed: float, uncertain: float) -> list[tuple[int, float]]:
     """Where a difference is like ``c (x - x0)^m``, for the highest order m of 4, 3, 2 and 1.
 
     Its lower derivatives vanish there; a step of velocity outweighs the next derivatives instead.
@@ -192,26 +194,39 @@ def _single(difference: Polynomial, end: float, allowed: float) -> list[tuple[in
     for order in (4, 3, 2, 1):
         small = derivatives[: order - 1] if order > 1 else derivatives[2:4]
         for x in _within(derivatives[order - 1].roots(), end, _OUTSIDE):
-            least = (_NEARLY if order == 1 else allowed) * abs(derivatives[order](x))
-            if all(abs(one(x)) <= least for one in small):
+            size = abs(derivatives[order](x))
+            least = max((_NEARLY if order == 1 else allowed) * size, uncertain)
+            if size >= _CERTAIN * uncertain and all(abs(one(x)) <= least for one in small):
                 return [(order, x)]
     return []
 
 
-def _two_of_jerk(difference: Polynomial, end: float) -> list[tuple[int, float]]:
-    """Where a difference is ``c1 (x - x1)^3 + c2 (x - x2)^3``, by Prony's method about the middle."""
+def _two_of_jerk(
+    difference: Polynomial, end: float, x: Array, passed: Array, uncertain: float
+) -> list[tuple[int, float]]:
+    """Where a difference is ``c1 (x - x1)^3 + c2 (x - x2)^3``, by Prony's method about the middle.
+
+    At the samples x between, only what was `passed` already makes a difference: four numbers fit any cubic.
+    """
     middle = end / 2
     series = np.asarray(difference(Polynomial([middle, 1.0])).coef, dtype=float)
     series = np.pad(series, (0, max(0, 5 - len(series))))
-    if np.abs(series[4:] * (middle + 0.5) ** np.arange(len(series) - 4)).max() > _CUBIC * np.abs(series[:4]).max():
+    size = np.abs(series[:4]).max()
+    if size < _CERTAIN * uncertain or np.abs(series[4:]).max() > max(_CUBIC * size, uncertain):
         return []
     moments = np.array([series[3], -series[2] / 3, series[1] / 3, -series[0]])
     system = np.array([[moments[1], -moments[0]], [moments[2], -moments[1]]])
     if abs(np.linalg.det(system)) <= 1e-12 * np.abs(moments).max() ** 2:
         return []
     total, product = np.linalg.solve(system, moments[2:])
-    both = _within(np.roots([1.0, -total, product]) + middle, end, _VANISHING)
-    return [(3, x) for x in sorted(both)] if len(both) == 2 else []
+    both = sorted(_within(np.roots([1.0, -total, product]) + middle, end, _VANISHING))
+    if len(both) < 2 or both[1] - both[0] < _VANISHING:
+        return []
+    factors = np.linalg.solve(np.vander(np.array(both) - middle, increasing=True).T, moments[:2])
+    made = sum(factor * np.maximum(0.0, x - at) ** 3 for factor, at in zip(factors, both, strict=True))
+    if (np.abs(made - passed) > max(_CUBIC * size, uncertain)).any():
+        return []
+    return [(3, at) for at in both]
 
 
 def _within(roots: ArrayLike, end: float, margin: float) -> list[float]:

@@ -20,7 +20,9 @@ from helpers.places import PANDA, ROBOTS
 
 import puma_septic as ps
 from puma_septic.doctor import CODES, doubts, examine
+from puma_septic.report.page import report_html
 from puma_septic.testing import assert_sound_model
+from puma_septic.views import profiles as profiles_view
 
 SOUND = {
     "ur10": ROBOTS / "ur_description" / "urdf" / "ur10_robot.urdf",
@@ -308,6 +310,54 @@ def test_a_meshs_scale_counts_once(tmp_path: Path) -> None:
         assert ("density" in codes) == is_odd
 
 
+def scaled(scale: float) -> Callable[[Arm], None]:
+    """All lengths in another unit, moments of inertia with their square."""
+
+    def change(arm: Arm) -> None:
+        for element in arm[0].iter("origin"):
+            xyz = [scale * float(x) for x in element.get("xyz", "0 0 0").split()]
+            element.set("xyz", " ".join(map(repr, xyz)))
+        inertia(scale**2)(arm)
+
+    return change
+
+
+def turned_in_degrees(arm: Arm) -> None:
+    for element in arm[0].iter("origin"):
+        rpy = [math.degrees(float(x)) for x in element.get("rpy", "0 0 0").split()]
+        element.set("rpy", " ".join(map(repr, rpy)))
+
+
+# A whole file in another unit, and a word of what stands beside the verdict.
+UNITS: dict[str, tuple[Callable[[Arm], None], str]] = {
+    "lengths in mm": (scaled(1e3), "millimetres?"),
+    "lengths in cm": (scaled(1e2), "millimetres?"),
+    "lengths in inches": (scaled(1 / 0.0254), "millimetres?"),
+    "masses in g": (both(mass(lambda m: 1e3 * m), inertia(1e3)), "below what holds the arm's own weight"),
+    "masses in t": (both(mass(lambda m: 1e-3 * m), inertia(1e-3)), "moving mass"),
+    "inertias in kg mm^2": (inertia(1e6), "radius of gyration too large"),
+    "inertias in kg cm^2": (inertia(1e4), "radius of gyration too large"),
+    "positions in degrees": (
+        limit("upper", lambda x: 1.0 + math.degrees(abs(x))),
+        "position limit (degrees, millimetres",
+    ),
+    "velocities in degrees per second": (limit("velocity", math.degrees), "degrees per second?"),
+    "origins turned in degrees": (turned_in_degrees, "degrees"),
+    "efforts in kN m": (limit("effort", lambda x: 1e-3 * x), "below what holds the arm's own weight"),
+}
+
+
+@pytest.mark.parametrize("unit", UNITS)
+@pytest.mark.parametrize("name", ["ur10", "kinova", "panda"])
+def test_a_file_in_another_unit_is_doubted_beside_the_verdict(name: str, unit: str, tmp_path: Path) -> None:
+    """Told in the text of each assessment, whose verdict says so; turns in degrees are noted, as some are meant."""
+    change, word = UNITS[unit]
+    robot = load(name, tmp_path, change)
+    result = ps.assess(robot, ps.quintic_segments([[0.0] * robot.n_joints, [0.1] * robot.n_joints], [0.0, 2.0]))
+    assert word in str(result)
+    assert unit == "origins turned in degrees" or "on doubtful data" in result.verdict
+
+
 def test_the_wrists_of_the_old_ur5_file_are_too_large() -> None:
     """1.219 kg with 0.2194 kg m^2 about z."""
     with pytest.raises(AssertionError, match=r"inertia_large: radius of gyration too large: wrist_1_link 0\.424 m"):
@@ -328,6 +378,29 @@ def test_a_verdict_is_never_green_without_the_remark() -> None:
     assert result.verdict.endswith("; on doubtful data, see the remarks")
     assert any("all 6 joints have the same effort limit, 1000 N m: a placeholder?" in text for text in result.remarks)
     assert "a placeholder?" in str(result)
+
+
+def test_no_table_or_page_has_the_word_feasible_without_the_doubt() -> None:
+    """The report said "Feasible" in green above a robot with 1000 N m everywhere, and so did the table of profiles."""
+    robot = ps.load_robot().with_limits(effort=1000.0)
+    move = ps.quintic_segments([[0.0] * 6, [0.3] * 6], [0.0, 2.0])
+    result = ps.assess(robot, move)
+    assert result.doubts == doubts(robot)
+    page = report_html(result)
+    assert '<div class="verdict doubtful">' in page
+    assert '<p class="word">Feasible, on doubtful data</p>' in page
+    assert "The verdict rests on doubtful data: doubtful effort limits: effort limit, a placeholder?" in page
+    sides = profiles_view.text([result.to_dict()], ["quintic_segments"])
+    assert "feasible (?)" in sides
+    assert "a placeholder?" in profiles_view.doubts_text([result.to_dict()])
+    assert "a placeholder?" in str(ps.compare(robot, [[0.0] * 6, [0.3] * 6], [0.0, 2.0], profiles=["quintic"]))
+    sized = ps.size(
+        ps.cycle.with_return(ps.compute_motion(robot, move)), drivetrains=ps.load_drivetrains(ps.load_robot())
+    )
+    assert any("a placeholder?" in remark for remark in sized.remarks)
+    sound = report_html(ps.assess(ps.load_robot(), move))
+    assert '<div class="verdict good">' in sound
+    assert "doubtful data" not in sound
 
 
 def test_volumes_of_meshes_are_held_against_masses() -> None:

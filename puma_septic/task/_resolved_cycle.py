@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final, final
+from typing import Final, Literal, final
 
 import numpy as np
 
@@ -29,6 +29,7 @@ _PROFILE: Final = "quintic_spline"
 _LAW: Final = "quintic_segments"
 _TURN: Final = 2 * np.pi
 _SLACK: Final = 1e-9
+Constraint = Literal["pose", "position"]
 
 
 @final
@@ -143,11 +144,19 @@ class _Scene:
         for place in places:
             if place.before:
                 pose = set_back(poses[place.point], place)
+                constrain = next(point.constrain for point in task.points if point.name == place.point)
+                constrain = constrain if isinstance(known[place.point], Posed) else "pose"
                 with named(task, str(place)):
-                    waypoints.append(Posed(T_world_tool=pose, solutions=inverse_kinematics(robot, pose)))
+                    solutions = inverse_kinematics(robot, pose, constrain=constrain)
+                waypoints.append(Posed(T_world_tool=pose, solutions=solutions, constrain=constrain))
             else:
                 waypoints.append(known[place.point])
         return cls(task=task, robot=robot, places=places, poses=poses, waypoints=tuple(waypoints))
+
+    def is_free(self, place: Place) -> bool:
+        """Whether its point leaves the tool's orientation open, as those of arms with fewer than six axes do."""
+        point = next(point for point in self.task.points if point.name == place.point)
+        return point.is_posed and point.constrain != "pose"
 
     def pose(self, place: Place) -> Array:
         """The tool's pose there."""
@@ -222,15 +231,19 @@ class _Arm:
         return np.where(outside, row, turned)
 
     def _straight(self, leg: Leg) -> Trajectory:
-        move, poses = leg.move, [self.scene.pose(place) for place in leg.places]
+        move, poses, orientation = leg.move, [self.scene.pose(place) for place in leg.places], leg.move.orientation
+        constrain: Constraint = "pose"
+        if any(self.scene.is_free(place) for place in leg.places):  # then no orientation of them means anything
+            constrain, orientation = "position", "held"
+            poses = [np.block([[poses[0][:3, :3], pose[:3, 3:]], [pose[3:]]]) for pose in poses]
         if leg.kind == "arc":
-            path = paths.arc(*poses, orientation=move.orientation or "geodesic")
+            path = paths.arc(*poses, orientation=orientation or "geodesic")
         elif len(poses) > 2:
             path = paths.polyline(poses, zone=float(move.zone or 0.0))
         else:
             path = paths.line(*poses, turn_axis=move.turn_axis)
         law = self._law(path, leg)
-        made = paths.tool_move(self.robot, path, law, start=self.q)
+        made = paths.tool_move(self.robot, path, law, start=self.q, constrain=constrain)
         return replace(made, profile=leg.kind, joint_names=self.robot.joint_names)
 
     def _law(self, path: paths.Path, leg: Leg) -> Trajectory:

@@ -76,3 +76,14 @@ def load(folder: Path, text: str | bytes = ARM, drives: str | None = None, **opt
         options["actuators"] = folder / "arm.toml"
         (folder / "arm.toml").write_text(drives)
     return ps.load_robot(path, **options)
+
+
+# A planar arm with two links of 1 m.
+_PLANAR_LINK = """<link name="{name}"><inertial><origin xyz="0.5 0 0"/><mass value="1"/>
+<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
+PLANAR = f"""<robot name="planar"><link name="base"/>{_PLANAR_LINK.format(name="a")}
+{_PLANAR_LINK.format(name="b")}<link name="tip"/>
+<joint name="shoulder" type="continuous"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/></joint>
+<joint name="elbow" type="continuous"><parent link="a"/><child link="b"/>
+<origin xyz="1 0 0"/><axis xyz="0 0 1"/></joint>
+<joint name="end" type="fixed"><parent link="b"/><child link="tip"/><origin xyz="1 0 0"/></joint></robot>"""

@@ -8,19 +8,13 @@ import numpy as np
 import pytest
 from helpers import arms
 from helpers.many_digits import derivatives
+from helpers.urdf_texts import PLANAR
 
 import puma_septic as ps
 from puma_septic import paths
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.validation import Array
 
-LINK = """<link name="{name}"><inertial><origin xyz="0.5 0 0"/><mass value="1"/>
-<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
-PLANAR = f"""<robot name="planar"><link name="base"/>{LINK.format(name="a")}{LINK.format(name="b")}<link name="tip"/>
-<joint name="shoulder" type="continuous"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/></joint>
-<joint name="elbow" type="continuous"><parent link="a"/><child link="b"/>
-<origin xyz="1 0 0"/><axis xyz="0 0 1"/></joint>
-<joint name="end" type="fixed"><parent link="b"/><child link="tip"/><origin xyz="1 0 0"/></joint></robot>"""
 # Middle of a line of 0.2 m on which the wrist centre passes 1 mm in front of the shoulder's singularity.
 NEAR_SHOULDER = (
     [-0.0838, -0.4164, 2.4587, -0.659, -0.2611, 0.067],

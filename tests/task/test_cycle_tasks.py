@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from helpers.pages import blocks
 from helpers.places import PANDA
+from helpers.urdf_texts import PLANAR
 
 import puma_septic as ps
 from puma_septic.pictures import assessment_pictures, utilisation_picture
@@ -303,8 +304,7 @@ def test_each_command_takes_a_task_or_says_why_not() -> None:
         resolve_cycle(load_task("paper"))
 
 
-def test_report_and_replay_show_the_path_the_tools_speed_and_the_distance_to_singular_postures() -> None:
-    """The whole cycle first, then its motions, the governing one first; the limit of the tool's speed in the charts."""
+def test_charts_and_replay_show_the_tools_limit_and_the_distance_to_singular_postures() -> None:
     assessed = job({"to": "pick", "move": "line"}, "back", tool_limits={"speed": 0.25}).assess()
     whole = assessed.whole
     tool = next(one for one in assessment_pictures([whole], ["cycle"]) if one.name == "tool")
@@ -317,7 +317,11 @@ def test_report_and_replay_show_the_path_the_tools_speed_and_the_distance_to_sin
     assert flag.text.startswith("tool speed 0.4 m/s")
     # From 0 to 0.4 m/s at 2 m/s^2 the limit is passed after 0.125 s; the way back is the mirror image.
     np.testing.assert_allclose(flag.spans[0][0], 0.125, atol=1e-9)
-    page = ps.report_html(assessed)
+
+
+@pytest.mark.slow  # a page with a replay
+def test_the_report_has_the_whole_cycle_first_then_its_motions() -> None:
+    page = ps.report_html(job({"to": "pick", "move": "line"}, "back").assess())
     assert page.index("cycle") < page.index("Distance to singular postures")
     assert page.count("the replay of the whole cycle, above") == 2
 
@@ -361,3 +365,25 @@ def test_a_redundant_arm_does_a_job_too() -> None:
     assert found.names[:2] == ("home to pick", "approach pick")
     assert found.cycle.is_periodic
     assert off_the_line(tool_along(found.robot, found.cycle.steps[1].trajectory)) < 1e-9
+
+
+def test_the_textbooks_line_is_a_task_of_four_lines(tmp_path: Path) -> None:
+    """An arm with two joints: its points are positions, and the orientation is what it may be.
+
+    From (0, 0.5) to (1, -0.5) in 2 s at a cruise of 1 m/s (Siciliano et al., Robotics, 4.3), on links of 1 m.
+    """
+    (tmp_path / "planar.urdf").write_text(PLANAR, encoding="utf-8")
+    line = {"name": "line", "move": "line", "to": "b", "duration": 2.0}
+    task = {
+        "name": "textbook",
+        "robot": {"source": str(tmp_path / "planar.urdf"), "tool": "tip", "gravity": [0, -9.81, 0]},
+        "points": [{"name": "a", "position": [0.0, 0.5, 0.0]}, {"name": "b", "position": [1.0, -0.5, 0.0]}],
+        "cycle": [{**line, "profile": {"name": "trapezoidal", "cruise_velocity": 1.0}}],
+        "repeat": False,
+    }
+    found = resolve_cycle(make_task(task))
+    t = np.linspace(0, 2, 401)
+    places = ps.forward_kinematics(found.robot, found.trajectory(t))[:, :2, 3]
+    np.testing.assert_allclose(places[:, 0] + places[:, 1], 0.5, atol=1e-12)
+    speed = ps.paths.tool_rates(found.robot, found.trajectory).peak("speed")[0]
+    assert speed == pytest.approx(1.0, abs=1e-12)

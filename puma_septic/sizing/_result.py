@@ -30,6 +30,8 @@ from puma_septic.views.checks import verdict
 __all__ = ["LoadProfile", "MotorLoadProfile", "Sizing", "case_document", "sized"]
 
 _RPM = 60 / (2 * np.pi)
+# A torque that differs on the two sides of an instant by less than this part of its largest does not step there.
+_STEP = 1e-9
 
 
 @final
@@ -260,7 +262,8 @@ class Sizing:
             torque = [left[k, 0], *load.torque(inner)[:, 0], right[k, 0]]
             parts.append(np.column_stack([[start, *inner, end], torque]))
         time, torques = np.concatenate(parts).T
-        is_new = np.append(True, (np.diff(time) > 0) | (np.diff(torques) != 0))
+        steps = np.abs(np.diff(torques)) > _STEP * np.abs(torques).max()
+        is_new = np.append(True, (np.diff(time) > 0) | steps)
         time, torques = time[is_new], torques[is_new]
         return LoadProfile(
             joint=joint,

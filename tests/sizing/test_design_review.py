@@ -1,0 +1,291 @@
+"""The audit of version 0.1.0, case by case: what unknown data mean, what a selection is told and tells."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.arms import pendulum
+from helpers.duty import paper_motion
+
+import puma_septic as ps
+from puma_septic.cli import main
+from puma_septic.drives import LEAST_SET
+from puma_septic.report.csv import load_profile_csv, motor_profile_csv
+from puma_septic.sizing import Conditions, LoadCase
+from puma_septic.task import make_task, resolve_task
+
+MOTOR: dict[str, Any] = {
+    "name": "M", "rotor_inertia": 1e-4, "continuous_torque": 0.6, "peak_torque": 2.0, "max_speed": 500.0,
+    "torque_constant": 0.1, "resistance": 0.5, "mass": 1.0,
+}  # fmt: skip
+GEARBOX: dict[str, Any] = {
+    "name": "G", "ratio": 100.0, "efficiency": 0.76, "inertia": 1e-5, "max_average_torque": 120.0,
+    "max_repeated_torque": 200.0, "max_momentary_torque": 400.0, "mass": 1.0,
+}  # fmt: skip
+
+
+@cache
+def cycle() -> ps.Cycle:
+    return ps.cycle.with_return(paper_motion(), dwell=0.5)
+
+
+def catalogue(**changes: float) -> ps.Catalogue:
+    """One pair with full data, but for what is changed."""
+    motor = {key: value for key, value in changes.items() if key in ps.Motor.__dataclass_fields__ and key != "mass"}
+    gearbox = {key: value for key, value in changes.items() if key not in motor}
+    return ps.Catalogue(motors=[ps.Motor(**MOTOR | motor)], gearboxes=[ps.Gearbox(**GEARBOX | gearbox)])
+
+
+# ---- W1, W7, W10: unknown never wins
+
+
+def test_a_bare_part_does_not_win() -> None:
+    """A motor of which nothing but 0.01 kg was known was strong enough everywhere, first by mass, cost and margin."""
+    bare = ps.Motor(name="bare", mass=0.01)
+    found = ps.Catalogue(
+        motors=[bare, ps.Motor(**MOTOR)],
+        gearboxes=[ps.Gearbox(name="bare gears", ratio=100.0, mass=0.01), ps.Gearbox(**GEARBOX)],
+    )
+    for rank in ("mass", "cost", "margin"):
+        selection = ps.size(cycle(), catalogue=found, rank=rank)  # type: ignore[call-overload]
+        assert {(one.best.motor, one.best.gearbox) for one in selection.joints} == {("M", "G")}
+        assert all("bare" in f"{c.motor} {c.gearbox}" for one in selection.joints for c in one.undecided)
+    assert selection.verdict.endswith("18 pairs not decidable")
+    alone = ps.size(cycle(), catalogue=ps.Catalogue(motors=[bare], gearboxes=found.gearboxes[:1]))
+    assert (alone.is_feasible, alone.can_be_decided) == (False, False)
+    assert "not decidable for joint1 (1 pair left, most often unknown: rotor inertia of the motor)" in alone.verdict
+
+
+@pytest.mark.parametrize(
+    ("name", "missing"),
+    [
+        ("rotor_inertia", "rotor inertia of the motor"), ("continuous_torque", "continuous torque of the motor"),
+        ("peak_torque", "peak torque of the motor"), ("max_speed", "highest speed of the motor"),
+        ("max_average_torque", "average torque of the gearbox"),
+        ("max_repeated_torque", "repeated peak torque of the gearbox"),
+        ("efficiency", "efficiency or measured friction of the gearbox"),
+    ],
+)  # fmt: skip
+def test_each_of_the_least_set_decides(name: str, missing: str) -> None:
+    assert missing in LEAST_SET
+    joint = ps.size(cycle(), catalogue=catalogue(**{name: np.nan})).joint("joint1")
+    assert joint.best is None
+    assert joint.undecided[0].lacking == (missing,)
+    assert joint.unknowns == {missing: 1}
+    assert joint.why("M", "G") == f"M with G is not decidable: {missing} unknown; every known limit is kept"
+
+
+def test_a_known_limit_rejects_whatever_else_is_unknown() -> None:
+    joint = ps.size(cycle(), catalogue=catalogue(continuous_torque=np.nan, max_speed=1.0)).joint("joint2")
+    assert not joint.is_undecided.any()
+    assert joint.can_be_decided
+    assert joint.rejections == {"motor speed": 1}
+
+
+def test_nothing_that_can_be_decided_is_exit_code_3(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It was 0, and the headline "a pair that is strong enough for every joint"."""
+    motors, gears = tmp_path / "m.csv", tmp_path / "g.csv"
+    motors.write_text("key,mass,inertia,max_int_torque\nM,0.01,,\n", encoding="utf-8")
+    gears.write_text("key,ratio,mass,inertia,efficiency\nG,100,0.01,,\n", encoding="utf-8")
+    assert main(["size", "--catalogue", str(motors), str(gears)]) == 3
+    assert "not decidable for joint1" in capsys.readouterr().out
+
+
+def test_a_direct_drive_needs_no_data_of_gears() -> None:
+    direct = ps.Catalogue(
+        motors=[ps.Motor(**MOTOR | {"peak_torque": 200.0, "continuous_torque": 150.0})],
+        gearboxes=[ps.Gearbox(name="none", ratio=1.0)],
+    )
+    assert ps.size(cycle(), catalogue=direct).is_feasible
+
+
+# ---- W3: conditions
+
+
+def test_conditions_hold_for_a_catalogue() -> None:
+    """A drives file with 1 mA was ignored beside a catalogue, and no option gave a life, a voltage or a margin."""
+    pair = catalogue(rated_life_hours=1.0, rated_torque=10.0, rated_speed=100.0)
+    for condition, check in (
+        ({"peak_current": 0.001}, "peak current"),
+        ({"bus_voltage": 1.0}, "voltage at torque and speed"),
+        ({"required_life_hours": 1e9}, "gearbox life"),
+        ({"momentary_torque": 500.0}, "gearbox momentary peak torque"),
+        ({"max_inertia_ratio": 1e-6}, "load inertia over rotor inertia"),
+        ({"continuous_current": 1e-6}, "RMS current"),
+    ):
+        joint = ps.size(cycle(), catalogue=pair, conditions=Conditions(**condition)).joint("joint2")
+        assert joint.rejections == {check: 1}
+
+
+def test_a_margin_rejects_and_is_named_per_check() -> None:
+    governing = ps.size(cycle(), catalogue=catalogue()).joint("joint2").best.governing
+    left = governing.margin
+    for margins, fits in (
+        ({"all": left - 0.01}, True), ({"all": left + 0.01}, False), ({governing.quantity: left + 0.01}, False),
+        ({governing.kind: left + 0.01}, False), ({"all": left + 0.01, governing.quantity: 0.0}, True),
+    ):  # fmt: skip
+        found = ps.size(cycle(), catalogue=catalogue(), conditions=Conditions(margins=margins)).joint("joint2")
+        assert bool(found.kept) == fits
+        if not fits:
+            assert found.rejections == {governing.quantity: 1}
+    with pytest.raises(ps.InputError, match="margins: unknown check 'torque'; valid: all, physics"):
+        Conditions(margins={"torque": 0.1})
+
+
+def test_the_inertia_ratio_is_counted_as_motor_makers_do() -> None:
+    """Yaskawa's example: (1.58 + 0.71) kg cm^2 over a rotor of 0.26 kg cm^2 is 8.8; with the gears at the motor 1.6."""
+    train = ps.Drivetrain(
+        motor=ps.Motor(rotor_inertia=0.26e-4), gearbox=ps.Gearbox(ratio=1.0, inertia=0.71e-4), max_inertia_ratio=8.0
+    )
+    load = ps.sizing.joint_load(cycle(), 0)
+    demands = ps.sizing.Demands(load=load, train=train, motor=ps.sizing.motor_load(load, train))
+    largest = float(load.inertia.extrema().max[0])
+    assert demands.load_inertia_ratio.size == pytest.approx((largest + 0.71e-4) / 0.26e-4)
+    assert pytest.approx(8.8, abs=0.05) == (1.58e-4 + 0.71e-4) / 0.26e-4
+
+
+def test_cycle_rate_and_brake_shape_the_cycle() -> None:
+    """Times and rests were to be worked out by hand."""
+    text = {
+        "name": "rate", "points": [{"joints": [0.0] * 6}, {"joints": [0.5] * 6}], "times": [0, 1],
+        "profiles": ["quintic"], "conditions": {"cycles_per_minute": 12, "brake_at_rest": True},
+    }  # fmt: skip
+    (case,) = ps.sizing.load_cases_of(resolve_task(make_task(text)))
+    assert case.cycle.duration == pytest.approx(5.0)
+    assert [step.holding_brake for step in case.cycle.steps if isinstance(step, ps.Dwell)] == [True, True]
+    fast = make_task({**text, "conditions": {"cycles_per_minute": 40}})
+    with pytest.raises(
+        ps.InputError, match=r"a cycle has 1\.5 s, but its 2 moves take 2 s; at most 30 cycles a minute"
+    ):
+        ps.sizing.load_cases_of(resolve_task(fast))
+
+
+# ---- load cases
+
+
+def cases_of_masses(*masses: float, shares: tuple[float, ...] = (1.0, 1.0)) -> list[LoadCase]:
+    robot, move = ps.load_robot(), paper_motion().trajectory
+    return [
+        LoadCase(
+            name=f"{mass:g} kg",
+            cycle=ps.cycle.with_return(ps.compute_motion(robot.with_payload(ps.Payload(mass=mass)), move)),
+            share=share,
+        )
+        for mass, share in zip(masses, shares, strict=True)
+    ]
+
+
+@pytest.mark.slow
+def test_the_chosen_parts_hold_in_every_case_and_the_case_is_named() -> None:
+    """By hand it was the intersection of two selections; the parts for the task broke limits when it was stretched."""
+    light, heavy = cases_of_masses(0.0, 6.0)
+    both = ps.size([light, heavy], catalogue=ps.built_in_catalogue(), keep=None)
+    for name in both.cycle.joint_names:
+        alone = [ps.size(case.cycle, catalogue=ps.built_in_catalogue(), keep=1).joint(name) for case in (light, heavy)]
+        assert both.joint(name).is_feasible.tolist() == (alone[0].is_feasible & alone[1].is_feasible).tolist()
+    governing = both.joint("joint2").best.governing
+    assert governing.case == "6 kg"
+    assert "of '6 kg' is" in str(governing)
+    assert any(reason.endswith("(6 kg)") for reason in both.joint("joint2").rejections)
+
+
+def test_life_is_that_of_the_mix() -> None:
+    """Palmgren and Miner: 1 / (0.9 / L1 + 0.1 / L2)."""
+    life = {"rated_life_hours": 1e4, "rated_torque": 50.0, "rated_speed": 200.0}
+    strong = {"max_average_torque": 900.0, "max_repeated_torque": 900.0, "peak_torque": 9.0, "continuous_torque": 9.0}
+    pair = catalogue(**life, **strong)
+    cases = cases_of_masses(0.0, 5.0, shares=(9.0, 1.0))
+    lives = [ps.size(case.cycle, catalogue=pair).joint("joint2").best.life_hours for case in cases]
+    mixed = ps.size(cases, catalogue=pair).joint("joint2").best.life_hours
+    assert mixed == pytest.approx(1 / (0.9 / lives[0] + 0.1 / lives[1]), rel=1e-12)
+    for hours, fits in ((0.999 * mixed, True), (1.001 * mixed, False)):
+        found = ps.size(cases, catalogue=pair, conditions=Conditions(required_life_hours=hours)).joint("joint2")
+        assert bool(found.kept) == fits
+
+
+def test_an_emergency_stop_asks_for_what_inertia_does(tmp_path: Path) -> None:
+    """A pendulum of 2 kg at 0.5 m from 1 rad/s within 0.1 s about a vertical axis would ask for m r^2 v / T = 5 N m."""
+    arm = pendulum(tmp_path, gravity=(0.0, 0.0, 0.0))
+    move = ps.profiles.linear([[0.0], [2.0]], [0.0, 2.0], joint_names=arm.joint_names)
+    from puma_septic.sizing._emergency_stop import worst_stops
+
+    ((joint, _, stop),) = worst_stops(ps.compute_motion(arm, move), 0.1)
+    assert joint == "swing"
+    assert np.abs(stop.load_torque.extrema().peak[0]) == pytest.approx(2.0 * 0.5**2 * 1.0 / 0.1, rel=1e-9)
+    assert stop.duration == pytest.approx(0.1)
+    assert stop.trajectory(0.1, order=1)[0] == pytest.approx(0.0, abs=1e-12)
+    # It turns v T / 2 further.
+    assert stop.trajectory(0.1)[0] - stop.trajectory(0.0)[0] == pytest.approx(0.05)
+
+
+def test_the_worst_pose_holds_what_the_certified_bound_says() -> None:
+    """2.5 kg more at the stretched PUMA's wrist: `worst_holding_torque` has the torque and the pose."""
+    from puma_septic.sizing._worst_poses import worst_poses
+
+    robot = ps.load_robot().with_payload(ps.Payload(mass=2.5))
+    worst = ps.worst_holding_torque(robot, gap=0.05)
+    found = dict(worst_poses(robot, 1.0))
+    assert set(found) == {"joint2", "joint3", "joint4", "joint5"}
+    held = found["joint2"].load_torque.extrema().peak[1]
+    assert abs(held) == pytest.approx(worst.attained[1], rel=1e-9)
+
+
+@pytest.mark.slow
+def test_one_size_for_several_joints_and_a_front() -> None:
+    wrist = ["joint4", "joint5", "joint6"]
+    chosen = ps.size(cycle(), catalogue=ps.built_in_catalogue(), same=[wrist], rank="mass")
+    assert len({(chosen.joint(name).best.motor, chosen.joint(name).best.gearbox) for name in wrist}) == 1
+    assert any(note.startswith("one size for joint4, joint5, joint6: ") for note in chosen.notes)
+    joint = ps.size(cycle(), catalogue=ps.built_in_catalogue(), keep=None).joint("joint2")
+    points = np.array([[c.mass, c.cost, c.stress] for c in joint.kept])
+    best = {
+        (c.motor, c.gearbox)
+        for c, point in zip(joint.kept, points, strict=True)
+        if not ((points <= point).all(axis=1) & (points < point).any(axis=1)).any()
+    }
+    assert {(c.motor, c.gearbox) for c in joint.front()} == best
+
+
+# ---- W2, W12: what is handed out
+
+
+def test_the_document_names_the_choice() -> None:
+    document = json.loads(json.dumps(ps.size(cycle(), catalogue=catalogue()).to_dict()))
+    assert [(line["kind"], line["name"], line["count"]) for line in document["bill_of_material"]] == [
+        ("motor", "M", 6), ("gearbox", "G", 6)
+    ]  # fmt: skip
+    assert document["totals"]["mass"] == pytest.approx(12.0)
+    html = ps.size(cycle(), catalogue=catalogue())._repr_html_()
+    assert html.index("Chosen, with the governing limit of each joint") < html.index("Bill of material")
+
+
+def test_the_load_profile_is_that_of_the_load() -> None:
+    """The file held the whole motor torque, rotor included: fed to a tool that adds the rotor, it counted twice."""
+    train = ps.size(cycle(), catalogue=catalogue()).sizing
+    load, motor = train.load_profile("joint1"), train.motor_load_profile("joint1")
+    own = ps.sizing.joint_load(cycle(), 0)
+    assert load.torque == pytest.approx(own.torque(load.time)[:, 0], abs=1e-9)
+    assert load.inertia == pytest.approx(own.inertia(load.time)[:, 0])
+    assert np.abs(np.interp(motor.time, load.time, load.torque) / 76 - motor.torque).max() > 0.005  # the rotor's part
+    heads = [next(csv.reader(io.StringIO(text))) for text in (load_profile_csv(load), motor_profile_csv(motor))]
+    assert heads[0][3] == "load at the gearbox output, without rotor, gears and friction [N m]"
+    assert heads[1][2] == "whole motor torque, rotor and friction included [N m]"
+
+
+def test_a_torque_that_steps_has_both_values() -> None:
+    """Where a payload is dropped the value before the step was missing."""
+    there = paper_motion(loaded=True)
+    train = ps.size(
+        ps.cycle.with_return(there, robot_back=there.robot.with_payload(None)), catalogue=catalogue(peak_torque=9.0)
+    ).sizing
+    profile = train.load_profile("joint2")
+    (twice,) = np.flatnonzero(np.diff(profile.time) == 0)
+    assert profile.time[twice] == pytest.approx(9.0)
+    assert abs(profile.torque[twice + 1] - profile.torque[twice]) > 1.0

@@ -57,8 +57,8 @@ def _executed(resolved: ResolvedTask, arguments: Namespace) -> Execution:
 def _write_folder(arguments: Namespace, execution: Execution, title: str) -> None:
     """Report, document, table and samples."""
     from puma_septic.pictures.execution import execution_pictures
-    from puma_septic.report.csv import simulation_csv
     from puma_septic.report.page import report_html
+    from puma_septic.report.simulated import simulation_csv
     from puma_septic.report.svg import write_svg
 
     with new_folder(arguments.out, overwrite=arguments.force) as folder:

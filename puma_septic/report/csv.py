@@ -14,7 +14,6 @@ from puma_septic.piecewise import Piecewise
 from puma_septic.quantities import MOTION, QUANTITIES
 from puma_septic.report._documents import profile_labels
 from puma_septic.robot import Robot
-from puma_septic.simulation import Simulation
 from puma_septic.sizing import LoadProfile, MotorLoadProfile, Selection, Sizing
 from puma_septic.task import ResolvedTask
 from puma_septic.validation import Array
@@ -31,7 +30,6 @@ __all__ = [
     "named_metrics_csv",
     "pairs_csv",
     "samples_csv",
-    "simulation_csv",
 ]
 
 # A fine line on a wide screen; the instants of steps are added.
@@ -91,26 +89,6 @@ def _is_known(robot: Robot) -> NDArray[np.bool_]:
 
 def _written(value: float) -> str | None:
     return None if value != value else repr(value)
-
-
-def simulation_csv(simulation: Simulation) -> str:
-    """Planned and simulated position, velocity and torque of every joint at the samples of a simulation."""
-    robot, planned = simulation.robot, simulation.planned
-    columns = {
-        "planned position": (planned.q, "position"),
-        "position": (simulation.q, "position"),
-        "velocity": (simulation.v, "velocity"),
-        "torque": (simulation.torque, "effort"),
-    }
-    headers = [
-        f"{label} {name} [{QUANTITIES[quantity].unit(slides)}]"
-        for label, (_, quantity) in columns.items()
-        for name, slides in zip(robot.joint_names, robot.is_prismatic, strict=True)
-    ]
-    table = np.column_stack([simulation.t, *(values for values, _ in columns.values()), simulation.tool_error])
-    return csv_text(
-        [["t [s]", *headers, "tool error [m]"], *([f"{value:.9g}" for value in row] for row in table.tolist())]
-    )
 
 
 def checks_csv(sizing: Sizing) -> str:

@@ -81,9 +81,11 @@ _HOMES: Final = {
     "load_catalogue": "drives",
     "load_drivetrains": "robot",
     "load_robot": "robot",
+    "load_study": "study",
     "load_task": "task",
     "lowest_points": "kinematics",
     "lspb": "profiles",
+    "make_study": "study",
     "maximum_payload": "limits",
     "minimum_duration": "limits",
     "motion_limits": "limits",
@@ -110,12 +112,15 @@ _HOMES: Final = {
     "residual_vibration": "vibration",
     "resolve_cycle": "task",
     "resolve_task": "task",
+    "run_study": "study",
     "septic": "profiles",
     "simulate": "simulation",
     "simulation": "simulation",
     "stop": "simulation",
     "size": "sizing",
     "sizing": "sizing",
+    "study_map": "study",
+    "summarise_study": "study",
     "tool_motion": "kinematics",
     "tool_move": "paths",
     "torque_terms": "dynamics",
@@ -225,6 +230,11 @@ if TYPE_CHECKING:
     from puma_septic.sizing import Selection as Selection
     from puma_septic.sizing import Sizing as Sizing
     from puma_septic.sizing import size as size
+    from puma_septic.study import load_study as load_study
+    from puma_septic.study import make_study as make_study
+    from puma_septic.study import run_study as run_study
+    from puma_septic.study import study_map as study_map
+    from puma_septic.study import summarise_study as summarise_study
     from puma_septic.task import ResolvedCycle as ResolvedCycle
     from puma_septic.task import ResolvedTask as ResolvedTask
     from puma_septic.task import Task as Task

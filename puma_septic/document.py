@@ -37,6 +37,7 @@ SCHEMAS: Final = MappingProxyType(
         "simulation": "puma-septic/simulation/1",
         "sizing": "puma-septic/sizing/1",
         "stops": "puma-septic/stops/1",
+        "study-summary": "puma-septic/study-summary/1",
         "sweep": "puma-septic/sweep/1",
     }
 )

@@ -28,6 +28,7 @@ from puma_septic.cli import (
     _replay,
     _robot,
     _size,
+    _study,
 )
 from puma_septic.cli._faults import fault_text
 from puma_septic.cli._parser import Command, parse
@@ -49,6 +50,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "limits": _limits,
     "size": _size,
     "execute": _execute,
+    "study": _study,
     "replay": _replay,
     "ik": _ik,
     "robot": _robot,

@@ -14,7 +14,14 @@ from puma_septic.limits._feasible import Certificate
 from puma_septic.limits._motion_limits import MotionLimits, motion_limits, payload_over_duration
 from puma_septic.limits._payload import Load, MaximumPayload, maximum_payload
 from puma_septic.limits._stretching import stretched
-from puma_septic.limits._sweeps import LoadedTorque, Sweep, duration_sweep, payload_duration_map, payload_sweep
+from puma_septic.limits._sweeps import (
+    LoadedTorque,
+    Sweep,
+    duration_sweep,
+    payload_and_duration,
+    payload_duration_map,
+    payload_sweep,
+)
 from puma_septic.limits._within_limits import within_limits
 
 __all__ = [
@@ -35,6 +42,7 @@ __all__ = [
     "maximum_payload",
     "minimum_duration",
     "motion_limits",
+    "payload_and_duration",
     "payload_diagram",
     "payload_duration_map",
     "payload_over_duration",

@@ -24,7 +24,7 @@ from puma_septic.piecewise.combinations import Combinations
 from puma_septic.quantities import QUANTITIES
 from puma_septic.validation import Array, checked_array, checked_number, read_only
 
-__all__ = ["Sweep", "duration_sweep", "payload_duration_map", "payload_sweep"]
+__all__ = ["Sweep", "duration_sweep", "payload_and_duration", "payload_duration_map", "payload_sweep"]
 
 _ORDERS: Final = {"velocity": 1, "acceleration": 2, "jerk": 3}
 
@@ -216,6 +216,31 @@ def payload_duration_map(
     m = _checked("masses", masses, unit="kg", at_least=0.0)
     load = checked_load(motion.robot, com, gyration)
     return _sweep(motion, load, *(np.ascontiguousarray(axis.T) for axis in np.meshgrid(times, m)))
+
+
+def payload_and_duration(motion: Motion, durations: ArrayLike, masses: ArrayLike) -> Sweep:
+    """As many cases as there are durations, each with its own payload of the shape that the robot carries.
+
+    Parameters
+    ----------
+    motion : Motion
+    durations, masses : array_like, shape (n,)
+        s and kg.
+
+    Returns
+    -------
+    Sweep
+
+    Raises
+    ------
+    InputError
+        As `duration_sweep` and `payload_sweep`, and for other than one mass for each duration.
+    """
+    times = _checked("durations", durations, unit="s", above=0.0)
+    m = _checked("masses", masses, unit="kg", at_least=0.0)
+    if len(times) != len(m):
+        raise InputError(f"{len(times)} durations and {len(m)} masses: expected one of each for a case")
+    return _sweep(motion, checked_load(motion.robot, None, None), times, m)
 
 
 def _checked(name: str, values: ArrayLike, *, unit: str, **bounds: float) -> Array:

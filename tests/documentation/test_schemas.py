@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
@@ -40,6 +41,7 @@ MAKERS: dict[str, Callable[[], dict[str, Any]]] = {
     "simulation": lambda: ps.simulate(ps.load_robot(), small_move(ps.load_robot()), settle=0.0).to_dict(),
     "sizing": lambda: ps.size(_cycle()).to_dict(),
     "stops": lambda: ps.simulation.stop_table(ps.load_robot(), load=2.5, fractions=(1.0,)).to_dict(),
+    "study-summary": lambda: _summary(),
     "sweep": lambda: ps.payload_duration_map(_quick_motion(), [0.5, 1.0], [0.0, 2.0, 4.0]).to_dict(),
 }
 COMMANDS = {
@@ -60,6 +62,13 @@ def _corner() -> dict[str, tuple[float, float]]:
 
 def _cycle() -> ps.Cycle:
     return ps.cycle.with_return(paper_motion(), dwell=0.5)
+
+
+def _summary() -> dict[str, Any]:
+    study = ps.make_study({"task": "paper-turned", "axes": {"duration": [8, 9], "payload": [0, 1]}})
+    with TemporaryDirectory() as folder:
+        ps.run_study(study, folder, workers=1)
+        return ps.summarise_study(folder).to_dict()
 
 
 def _quick_motion() -> ps.Motion:

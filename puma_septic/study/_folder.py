@@ -1,0 +1,196 @@
+"""The folder of a study: its definition, one Parquet file for each chunk, a lock.
+
+A chunk is written under another name, flushed to the disk and then given its own: it is there whole or not at all.
+Pages carry checksums (CRC-32), so that a flipped bit is found when they are read.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any, Final, final
+
+from puma_septic.errors import InputError
+
+try:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+except ImportError as error:
+    raise InputError(
+        "a study needs the packages pyarrow and duckdb: python -m pip install 'puma-septic[study]'"
+    ) from error
+
+from puma_septic.study._definition import Study
+
+__all__ = ["StudyFolder", "table_from_bytes", "table_of", "table_to_bytes"]
+
+_DEFINITION: Final = "study.json"
+_LOCK: Final = "lock"
+_CHUNKS: Final = "chunks"
+_PARTIAL: Final = ".part"
+
+
+def table_of(columns: dict[str, Any]) -> pa.Table:
+    """Columns as a table: what is not known (NaN) is null, text as a dictionary."""
+    arrays = {}
+    for name, values in columns.items():
+        if name == "feasible":
+            arrays[name] = pa.array(values.astype(bool), mask=columns["error"] != "")
+        elif values.dtype.kind in "OU":
+            arrays[name] = pa.array(values.tolist(), type=pa.string()).dictionary_encode()
+        else:
+            arrays[name] = pa.array(values, from_pandas=True)
+    return pa.table(arrays)
+
+
+def table_to_bytes(table: pa.Table) -> bytes:
+    """A table for another process."""
+    sink = pa.BufferOutputStream()
+    with pa.ipc.new_stream(sink, table.schema) as stream:
+        stream.write_table(table)
+    return bytes(sink.getvalue())
+
+
+def table_from_bytes(data: bytes) -> pa.Table:
+    """The table that `table_to_bytes` wrote."""
+    return pa.ipc.open_stream(pa.BufferReader(data)).read_all()
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class StudyFolder:
+    """Where a study stands."""
+
+    path: Path
+
+    @property
+    def chunks(self) -> Path:
+        """The folder of its Parquet files."""
+        return self.path / _CHUNKS
+
+    @property
+    def pattern(self) -> str:
+        """All of them, for what reads a dataset."""
+        return str(self.chunks / "*.parquet")
+
+    def definition(self) -> dict[str, Any]:
+        """What the study was, as `Study.document` gave it.
+
+        Raises
+        ------
+        InputError
+            Where no study stands.
+        """
+        try:
+            document: dict[str, Any] = json.loads((self.path / _DEFINITION).read_text(encoding="utf-8"))
+        except FileNotFoundError as error:
+            raise InputError(f"{self.path}: no study is there (no {_DEFINITION})") from error
+        except (OSError, ValueError) as error:
+            raise InputError(f"{self.path / _DEFINITION}: cannot be read: {error}") from error
+        return document
+
+    @contextmanager
+    def opened(self, study: Study) -> Iterator[None]:
+        """Hold the folder for this study alone.
+
+        Raises
+        ------
+        InputError
+            Where another study stands, another run is at work, or nothing can be written.
+        """
+        try:
+            self.chunks.mkdir(parents=True, exist_ok=True)
+            with (self.path / _LOCK).open("a") as lock:
+                _hold(lock, self.path)
+                self._claim(study)
+                for left in self.chunks.glob(f"*{_PARTIAL}"):
+                    left.unlink()
+                yield
+        except OSError as error:
+            raise InputError(f"cannot write the study's folder {self.path}: {error.strerror or error}") from error
+
+    def _claim(self, study: Study) -> None:
+        file = self.path / _DEFINITION
+        document = {**study.document(), "digest": study.digest}
+        if not file.exists():
+            if any(self.chunks.iterdir()):
+                raise InputError(f"{self.path}: has chunks but no {_DEFINITION}; name another folder")
+            partial = file.with_name(_DEFINITION + _PARTIAL)
+            partial.write_text(json.dumps(document, indent=2), encoding="utf-8")
+            partial.replace(file)
+        old = self.definition()
+        if old.get("digest") != study.digest:
+            changed = [key for key, value in document.items() if key != "digest" and old.get(key) != value]
+            raise InputError(
+                f"{self.path}: holds another study ({', '.join(changed) or 'drawn otherwise'} differ); name another"
+                " folder, or take the old definition"
+            )
+
+    def file(self, k: int) -> Path:
+        """Of chunk k."""
+        return self.chunks / f"{k:08d}.parquet"
+
+    def finished(self, study: Study) -> set[int]:
+        """The chunks that are there.
+
+        Raises
+        ------
+        InputError
+            For a file that is damaged, with its name.
+        """
+        done = set()
+        for k in range(study.n_chunks):
+            if self.file(k).exists():
+                rows = min(study.chunk, study.n_cases - k * study.chunk)
+                check_chunk(self.file(k), rows)
+                done.add(k)
+        return done
+
+    def write(self, k: int, table: pa.Table) -> None:
+        """Chunk k, whole or not at all."""
+        target = self.file(k)
+        partial = target.with_name(target.name + _PARTIAL)
+        try:
+            with partial.open("wb") as stream:
+                pq.write_table(table, stream, compression="zstd", write_page_checksum=True)
+                stream.flush()
+                os.fsync(stream.fileno())
+            partial.replace(target)
+        except OSError:
+            with suppress(OSError):
+                partial.unlink()
+            raise
+
+
+def check_chunk(path: Path, rows: int | None = None) -> int:
+    """Read a chunk, checksums of its pages included; how many rows it has.
+
+    Raises
+    ------
+    InputError
+        For a file that is damaged.
+    """
+    try:
+        found = pq.read_table(path, page_checksum_verification=True).num_rows
+    except (OSError, pa.ArrowException) as error:
+        raise InputError(
+            f"{path}: this chunk is damaged ({' '.join(str(error).split())}); delete it and run the study again: all"
+            " others are kept"
+        ) from error
+    if rows is not None and found != rows:
+        raise InputError(f"{path}: has {found} rows, {rows} were expected; delete it and run the study again")
+    return int(found)
+
+
+def _hold(lock: IO[str], path: Path) -> None:
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        raise InputError(
+            f"{path}: another run is at work on this study; wait for its end, or name another folder"
+        ) from error

@@ -31,6 +31,7 @@ _HOMES: Final = {
     "InputError": "errors",
     "JointTrajectoryError": "ros",
     "Limits": "robot",
+    "LinearStage": "drives",
     "ManyAssessments": "batch",
     "MaximumPayload": "limits",
     "MinimumDuration": "limits",
@@ -49,6 +50,7 @@ _HOMES: Final = {
     "Selection": "sizing",
     "Simulation": "simulation",
     "Sizing": "sizing",
+    "Supply": "drives",
     "Sweep": "limits",
     "Task": "task",
     "Trajectory": "trajectory",
@@ -158,7 +160,9 @@ if TYPE_CHECKING:
     from puma_septic.drives import Drive as Drive
     from puma_septic.drives import Drivetrain as Drivetrain
     from puma_septic.drives import Gearbox as Gearbox
+    from puma_septic.drives import LinearStage as LinearStage
     from puma_septic.drives import Motor as Motor
+    from puma_septic.drives import Supply as Supply
     from puma_septic.drives import built_in_catalogue as built_in_catalogue
     from puma_septic.drives import load_catalogue as load_catalogue
     from puma_septic.dynamics import forward_dynamics as forward_dynamics

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from puma_septic.errors import InputError, ModelError
 from puma_septic.friction import friction_terms, loss
 from puma_septic.kinematics import checked_joint_values, forward_kinematics, jacobian
-from puma_septic.robot import Robot
+from puma_septic.robot import Robot, Wrench
 from puma_septic.validation import Array
 
 __all__ = [
@@ -30,6 +30,7 @@ __all__ = [
     "check_uncoupled",
     "forward_dynamics",
     "inverse_dynamics",
+    "joint_wrenches",
     "mass_matrix",
     "payload_torque",
     "potential_energy",
@@ -267,6 +268,54 @@ def potential_energy(robot: Robot, q: Array) -> Array:
     """Of gravity on links and payload, J, shape (n,), for a checked q."""
     data = robot.model.createData()
     return np.array([pin.computePotentialEnergy(robot.model, data, row) for row in robot.configurations(q)])
+
+
+def joint_wrenches(robot: Robot, q: Array, v: Array, a: Array) -> Array:
+    """What each joint passes on to the links that it carries: force and moment about the joint's origin.
+
+    The whole wrench of Newton and Euler, of which the joint's torque is the last component (or its force the third);
+    links, payload and wrench, no rotors and no friction.
+
+    Parameters
+    ----------
+    q, v, a : ndarray, shape (n, n_joints)
+        Checked.
+
+    Returns
+    -------
+    ndarray, shape (n, n_joints, 6)
+        N and N m, along two axes at right angles to the joint's, fixed to its links, and along it.
+    """
+    model = robot.model
+    data, ids = model.createData(), [model.getJointId(name) for name in robot.joint_names]
+    axes = [_axes(model.joints[i]) for i in ids]
+    outer = [pin.Force.Zero() for _ in range(model.njoints)]
+    found = np.zeros((len(q), len(ids), 6))
+    for k, (q_, v_, a_) in enumerate(zip(robot.configurations(q), robot.tangents(v), robot.tangents(a), strict=True)):
+        if robot.wrench is not None:
+            pin.forwardKinematics(model, data, q_)
+            _push(robot, robot.wrench, data, outer)
+        pin.rnea(model, data, q_, v_, a_, outer)
+        for j, i in enumerate(ids):
+            found[k, j, :3], found[k, j, 3:] = axes[j] @ data.f[i].linear, axes[j] @ data.f[i].angular
+    return found
+
+
+def _push(robot: Robot, wrench: Wrench, data: Any, outer: list[Any]) -> None:
+    """Write what the world does to the tool, against the tool's wrench, to the joint that carries the tool."""
+    frame = robot.model.frames[robot.tool_id]
+    turn = frame.placement.rotation if wrench.axes == "tool" else data.oMi[frame.parentJoint].rotation.T
+    at_tool = pin.Force(-(turn @ wrench.force), -(turn @ wrench.torque))
+    outer[frame.parentJoint] = pin.SE3(np.eye(3), frame.placement.translation).act(at_tool)
+
+
+def _axes(joint: Any) -> Array:
+    """Rows: two axes at right angles to the joint's own, and that one."""
+    screw = np.asarray(joint.createData().S, dtype=np.float64).reshape(6, -1)[:, 0]
+    axis = screw[3:] if screw[3:].any() else screw[:3]
+    first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    first /= np.linalg.norm(first)
+    return np.array([first, np.cross(axis, first), axis])
 
 
 def check_inertia(robot: Robot) -> None:

@@ -11,7 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from puma_septic.assessment import impulses
-from puma_septic.cycle._steps import Dwell, Stretch, check_join, check_steps, gaps, gravity, inertia, moved, stretch
+from puma_septic.cycle._steps import (
+    Dwell,
+    Stretch,
+    check_join,
+    check_steps,
+    gaps,
+    gravity,
+    inertia,
+    mass_matrices,
+    moved,
+    stretch,
+    tool_travel,
+    wrenches,
+)
 from puma_septic.motion import Motion, compute_motion, joined
 from puma_septic.piecewise import Jumps, Piecewise
 from puma_septic.robot import Robot
@@ -133,6 +146,25 @@ class Cycle:
     def inertia(self) -> Piecewise:
         """Inertia that each joint moves alone, ``M_jj(q)`` without rotors, kg m^2 (kg), along the cycle."""
         return self._sequence([inertia(step) for step in self._stretches])
+
+    @cached_property
+    def joint_wrench(self) -> Piecewise:
+        """Force and moment that each joint passes on to the links it carries, N and N m, shape (6 n_joints,).
+
+        About the joint's origin, along two axes at right angles to the joint's, fixed to its links, and along it: so
+        component 6 j + 5 is the load torque of a joint j that turns. Links, payload and wrench, no drives.
+        """
+        return self._sequence([wrenches(step) for step in self._stretches])
+
+    @cached_property
+    def mass_matrix(self) -> Piecewise:
+        """``M(q)`` without rotors along the cycle, row by row, kg m^2 (kg), shape (n_joints^2,)."""
+        return self._sequence([mass_matrices(step) for step in self._stretches])
+
+    @cached_property
+    def tool_jacobian(self) -> Piecewise:
+        """What the tool's origin travels in world axes per travel of each joint, m, shape (3 n_joints,)."""
+        return self._sequence([tool_travel(step) for step in self._stretches])
 
     @property
     def why_not_periodic(self) -> str:

@@ -8,15 +8,29 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.dynamics import check_inertia, inverse_dynamics, mass_matrix
+from puma_septic.dynamics import check_inertia, inverse_dynamics, joint_wrenches, mass_matrix
 from puma_septic.errors import InputError
+from puma_septic.kinematics import jacobian
 from puma_septic.motion import Motion, Rest, compute_motion
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Actuator, Payload, Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_number
 
-__all__ = ["Dwell", "Stretch", "check_join", "check_steps", "gaps", "gravity", "inertia", "moved", "stretch"]
+__all__ = [
+    "Dwell",
+    "Stretch",
+    "check_join",
+    "check_steps",
+    "gaps",
+    "gravity",
+    "inertia",
+    "mass_matrices",
+    "moved",
+    "stretch",
+    "tool_travel",
+    "wrenches",
+]
 
 # Steps join where position and velocity differ by less than this part of their largest values (at least 1 rad and
 # 1 rad/s): some thousand roundings of a polynomial's end value.
@@ -162,6 +176,32 @@ def inertia(stretch: Stretch) -> Piecewise:
         return np.asarray(np.diagonal(mass_matrix(bare, q), axis1=1, axis2=2))
 
     return stretch.position.mapped(diagonal)
+
+
+def wrenches(stretch: Stretch) -> Piecewise:
+    """Force and moment that each joint passes on along a step, see `joint_wrenches`: 6 components per joint."""
+    n = stretch.robot.n_joints
+
+    def passed_on(state: Array) -> Array:
+        q, v, a = (state[:, k * n : (k + 1) * n] for k in range(3))
+        return joint_wrenches(stretch.robot, q, v, a).reshape(len(state), 6 * n)
+
+    return stretch.position.with_derivatives(2).mapped(passed_on)
+
+
+def mass_matrices(stretch: Stretch) -> Piecewise:
+    """``M(q)`` without rotors along a step, row by row."""
+    bare = _without_drives(stretch.robot)
+    return stretch.position.mapped(lambda q: mass_matrix(bare, q).reshape(len(q), -1))
+
+
+def tool_travel(stretch: Stretch) -> Piecewise:
+    """The linear part of the tool's Jacobian along a step, in world axes: 3 components per joint."""
+
+    def linear(q: Array) -> Array:
+        return np.asarray(jacobian(stretch.robot, q)[:, :3]).transpose(0, 2, 1).reshape(len(q), -1)
+
+    return stretch.position.mapped(linear)
 
 
 def gravity(stretch: Stretch) -> Piecewise:

@@ -9,8 +9,10 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from puma_septic.drives._drive import Drive
 from puma_septic.drives._drivetrain import Drivetrain
-from puma_septic.drives._parts import Drive, Gearbox, Motor
+from puma_septic.drives._gearbox import Gearbox
+from puma_septic.drives._motor import Motor
 from puma_septic.errors import InputError
 from puma_septic.friction import Friction
 from puma_septic.validation import Array, checked_array

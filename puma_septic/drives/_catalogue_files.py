@@ -10,8 +10,20 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from puma_septic.drives._catalogue import Catalogue, Pair
-from puma_septic.drives._columns import GEARBOX, GEARBOX_FIELDS, MOTOR, MOTOR_FIELDS, PAIR, Column
-from puma_septic.drives._parts import Drive, Gearbox, Motor
+from puma_septic.drives._columns import (
+    GEAR_KINDS,
+    GEARBOX,
+    GEARBOX_FIELDS,
+    GEARBOX_TEXTS,
+    MOTOR,
+    MOTOR_FIELDS,
+    MOTOR_TEXTS,
+    PAIR,
+    Column,
+)
+from puma_septic.drives._drive import Drive
+from puma_septic.drives._gearbox import Gearbox
+from puma_septic.drives._motor import Motor
 from puma_septic.drives._table_file import Row, raw_rows, read_table
 from puma_septic.errors import InputError
 from puma_septic.friction import Friction
@@ -21,7 +33,7 @@ __all__ = ["BUILT_IN", "built_in_catalogue", "load_catalogue"]
 
 BUILT_IN: Final = ("example", "puma560")
 # Numbers that no check uses yet.
-_UNUSED: Final = ("L", "omega_nl", "max_cont_power", "pole_pairs", "stages", "stiffness")
+_UNUSED: Final = ("omega_nl", "max_cont_power", "stages")
 _FRICTION_FIELDS: Final = {
     "coulomb_positive": "coulomb", "coulomb_negative": "coulomb", "viscous_friction": "viscous",
     "stribeck_velocity": "stribeck_velocity", "load_share": "load_share", "static_positive": "static",
@@ -45,12 +57,16 @@ def load_catalogue(motors: str | Path, gearboxes: str | Path, pairs: str | Path 
         Columns key, mass, inertia, max_int_torque and any of the others of the MGDB and these: max_cont_torque (else
         ``k_t I_nom``), S1, peak, max_int_power, tau_w, tau_h, T_max, I_peak (of the motor; ``k_t I_peak`` is the peak
         torque where none is given), I_nl (``k_t I_nl`` is the Coulomb friction where none is given),
-        max_inertia_ratio, cost. V is the bus voltage where the joint has no drive.
+        max_inertia_ratio, cost. V is the bus voltage where the joint has no drive. current, winding and voltage are the
+        measures of k_t and currents, of R and L, and of voltage_constant, see `Motor`; without them those of a motor
+        with direct current. Any other number of `Motor` by its name.
         Rth1 with tau_w is a winding in one node; with Rth2 and tau_h as well, in two.
     gearboxes : str or Path
         Columns key, ratio, mass, inertia (at the input), efficiency and any of the others of the MGDB and these: T_N,
         n_N, L_n, T_A (else max_cont_torque), T_R (else max_int_torque), T_M, n_in_av, n_in_max, no_load_torque,
-        backdrive_efficiency, cost. Speeds are the input's.
+        backdrive_efficiency, life_basis, K1, K2, K3 with T1, T2 (else stiffness), cost, and any other number of
+        `Gearbox` by its name. The type "strain wave", "cycloidal" or "planetary" tells whose rules hold. Speeds
+        are the input's.
     pairs : str or Path, optional
         Columns motor and gearbox (their keys), and what is measured of both together: viscous_friction,
         coulomb_positive, coulomb_negative and the optional terms of `Friction`, static_positive, static_negative,
@@ -148,7 +164,7 @@ def _source(row: Row, path: Path) -> str:
 
 
 def _motor(row: Row, source: str) -> Motor:
-    values, fields = row.values, _fields(row, MOTOR_FIELDS)
+    values, fields = row.values, _fields(row, MOTOR_FIELDS) | _texts(row, MOTOR_TEXTS)
     k_t, current = values.get("k_t", np.nan), values.get("I_nom", np.nan)
     if "coulomb_friction" not in fields and "I_nl" in values:
         fields["coulomb_friction"] = k_t * values["I_nl"]
@@ -171,12 +187,18 @@ def _motor(row: Row, source: str) -> Motor:
 
 
 def _gearbox(row: Row, source: str) -> Gearbox:
-    fields = _fields(row, GEARBOX_FIELDS)
+    fields = _fields(row, GEARBOX_FIELDS) | _texts(row, GEARBOX_TEXTS)
     if "ratio" not in fields:
         raise InputError(f"{row.where}, column 'ratio': the cell is empty; the ratio is required")
     if (direction := row.values.get("direction", 1.0)) not in (1.0, -1.0):
         raise InputError(f"{row.where}, column 'direction': {direction:g} is neither 1 nor -1")
     fields["ratio"] *= direction
+    fields["kind"] = GEAR_KINDS.get(row.texts["type"].lower(), "")
+    if stiffness := [row.values[name] for name in ("K1", "K2", "K3") if name in row.values]:
+        fields["stiffness"] = stiffness
+        fields["stiffness_torques"] = [row.values[name] for name in ("T1", "T2") if name in row.values]
+    elif "stiffness" in row.values:
+        fields["stiffness"] = [row.values["stiffness"]]
     needed = {"name": row.texts["key"], "source": source, "ratio": 1.0}
     gearbox: Gearbox = _made(Gearbox, needed, fields, row, GEARBOX_FIELDS)
     return gearbox
@@ -185,6 +207,11 @@ def _gearbox(row: Row, source: str) -> Gearbox:
 def _fields(row: Row, names: Mapping[str, str]) -> dict[str, Any]:
     """The known values by field; of two columns for one field the later one in `names` counts."""
     return {field: row.values[column] for column, field in names.items() if column in row.values}
+
+
+def _texts(row: Row, names: tuple[str, ...]) -> dict[str, str]:
+    """The texts by field that are not empty."""
+    return {name: row.texts[name] for name in names if row.texts[name]}
 
 
 def _made(kind: Any, needed: dict[str, Any], fields: dict[str, Any], row: Row, names: Mapping[str, str]) -> Any:

@@ -5,9 +5,22 @@ from __future__ import annotations
 import re
 from typing import Final, NamedTuple
 
-from puma_septic.drives._parts import GEARBOX_UNITS, MOTOR_UNITS
+from puma_septic.drives._gearbox import GEARBOX_UNITS
+from puma_septic.drives._motor import MOTOR_UNITS
 
-__all__ = ["CURRENCY", "GEARBOX", "GEARBOX_FIELDS", "MOTOR", "MOTOR_FIELDS", "PAIR", "Column", "header_parts"]
+__all__ = [
+    "CURRENCY",
+    "GEARBOX",
+    "GEARBOX_FIELDS",
+    "GEARBOX_TEXTS",
+    "GEAR_KINDS",
+    "MOTOR",
+    "MOTOR_FIELDS",
+    "MOTOR_TEXTS",
+    "PAIR",
+    "Column",
+    "header_parts",
+]
 
 CURRENCY: Final = "a currency"
 """The unit of costs: any, which is not converted."""
@@ -32,7 +45,8 @@ _MOTOR: Final[dict[str, Column]] = {
     "Rth1": Column("K/W"), "Rth2": Column("K/W"),
     "max_cont_torque": Column("N m"), "max_int_power": Column("W"), "S1": Column("rad/s:N m"),
     "peak": Column("rad/s:N m"), "tau_w": Column("s"), "tau_h": Column("s"), "T_max": Column("degC"),
-    "I_peak": Column("A"), "pole_pairs": Column(""), "max_inertia_ratio": Column(""), "cost": Column(CURRENCY),
+    "I_peak": Column("A"), "pole_pairs": Column(""), "current": Column(), "winding": Column(), "voltage": Column(),
+    "max_inertia_ratio": Column(""), "cost": Column(CURRENCY),
     "source": Column(),
 }  # fmt: skip
 _GEARBOX: Final[dict[str, Column]] = {
@@ -42,7 +56,17 @@ _GEARBOX: Final[dict[str, Column]] = {
     "max_cont_torque": Column("N m"),
     "T_N": Column("N m"), "n_N": Column("rad/s"), "T_A": Column("N m"), "T_R": Column("N m"), "T_M": Column("N m"),
     "n_in_av": Column("rad/s"), "n_in_max": Column("rad/s"), "L_n": Column("h"), "stiffness": Column("N m/rad"),
-    "no_load_torque": Column("N m"), "backdrive_efficiency": Column(""), "cost": Column(CURRENCY), "source": Column(),
+    "life_basis": Column(), "K1": Column("N m/rad"), "K2": Column("N m/rad"), "K3": Column("N m/rad"),
+    "T1": Column("N m"), "T2": Column("N m"), "no_load_torque": Column("N m"), "backdrive_efficiency": Column(""),
+    "cost": Column(CURRENCY), "source": Column(),
+}  # fmt: skip
+# Texts that are values of a part, by the same name.
+MOTOR_TEXTS: Final = ("current", "winding", "voltage")
+GEARBOX_TEXTS: Final = ("life_basis",)
+# What catalogues call the types of gear whose makers have a rule of their own; any other type is text alone.
+GEAR_KINDS: Final = {
+    "strain wave": "strain wave", "harmonic": "strain wave", "harmonic drive": "strain wave",
+    "cycloidal": "cycloidal", "rv": "cycloidal", "planetary": "planetary",
 }  # fmt: skip
 PAIR: Final[dict[str, Column]] = {
     "motor": Column(None, True), "gearbox": Column(None, True), "viscous_friction": Column("N m s/rad"),
@@ -56,7 +80,7 @@ _MOTOR_FIELDS: Final = {
     "coulomb_friction": "coulomb_friction", "viscous_friction": "viscous_friction", "max_int_torque": "peak_torque",
     "max_int_speed": "max_speed", "max_int_power": "peak_power", "T_max": "max_winding_celsius",
     "max_inertia_ratio": "max_inertia_ratio", "peak": "peak_curve", "S1": "continuous_curve",
-    "max_cont_torque": "continuous_torque",
+    "max_cont_torque": "continuous_torque", "L": "inductance", "pole_pairs": "pole_pairs",
 }  # fmt: skip
 _GEARBOX_FIELDS: Final = {
     "ratio": "ratio", "mass": "mass", "inertia": "inertia", "efficiency": "efficiency", "cost": "cost",

@@ -7,7 +7,11 @@ from typing import final
 
 import numpy as np
 
-from puma_septic.drives._parts import ABSOLUTE_ZERO_CELSIUS, Drive, Gearbox, Motor
+from puma_septic.drives._drive import Drive
+from puma_septic.drives._gearbox import Gearbox
+from puma_septic.drives._motor import Motor
+from puma_septic.drives._part_checks import ABSOLUTE_ZERO_CELSIUS
+from puma_septic.drives._stage import LinearStage
 from puma_septic.errors import InputError
 from puma_septic.friction import Friction
 from puma_septic.validation import Array, checked_number
@@ -35,11 +39,18 @@ class Drivetrain:
     motor : Motor, optional
     gearbox : Gearbox, optional
     drive : Drive, optional
+    stage : LinearStage, optional
+        Screw, rack or belt behind the gearbox, of a sliding joint; the gearbox then turns, and its ratio is turns per
+        turn.
     measured_friction : Friction, optional
         Friction measured through the gears. It contains their losses and the motor's own, so it excludes the gearbox's
         efficiency and no-load torque and the motor's friction.
     ambient_celsius : float
         Degrees Celsius; 40 is the customary ambient of motor ratings.
+    altitude : float
+        m above sea level; up to 1000 motors have their rated torque.
+    with_brake : bool
+        The motor is taken with its holding brake, whose inertia then turns with the rotor.
     armature : float
         Inertia of rotor and gears at the joint, kg m^2, where it is known there (as URDFs have it); it then counts, not
         the rotor's with the ratio, which may be unknown.
@@ -49,6 +60,8 @@ class Drivetrain:
         Limit of the whole actuator torque referred to the joint (``n`` times the motor's), N m (N); NaN: unknown.
     momentary_torque : float
         Torque at the gearbox's output in a collision or emergency stop, N m (N); NaN: unknown.
+    emergency_stops, emergency_duration : float
+        How many of those there are in the gearbox's life, and how long one lasts, s; NaN: not told.
     required_life_hours : float
         Operating hours that the gearbox is to last; NaN: none asked for.
     max_inertia_ratio : float
@@ -69,20 +82,31 @@ class Drivetrain:
     motor: Motor = field(default_factory=Motor)
     gearbox: Gearbox = field(default_factory=Gearbox)
     drive: Drive = field(default_factory=Drive)
+    stage: LinearStage | None = None
     measured_friction: Friction | None = None
     armature: float = np.nan
     friction_at_joint: Friction | None = None
     ambient_celsius: float = 40.0
+    altitude: float = 0.0
+    with_brake: bool = False
     max_effort: float = np.nan
     momentary_torque: float = np.nan
+    emergency_stops: float = np.nan
+    emergency_duration: float = np.nan
     required_life_hours: float = np.nan
     max_inertia_ratio: float = np.nan
 
     def __post_init__(self) -> None:
         checked_number("ambient_celsius", self.ambient_celsius, unit="degrees Celsius", above=ABSOLUTE_ZERO_CELSIUS)
+        checked_number("altitude", self.altitude, unit="m")
+        if not isinstance(self.with_brake, bool):
+            raise InputError(f"with_brake = {self.with_brake!r}: expected True or False")
         if not np.isnan(self.armature):
             checked_number("armature", self.armature, unit="kg m^2", at_least=0.0)
-        positive = {"max_effort": "N m", "momentary_torque": "N m", "required_life_hours": "h", "max_inertia_ratio": ""}
+        positive = {
+            "max_effort": "N m", "momentary_torque": "N m", "emergency_stops": "", "emergency_duration": "s",
+            "required_life_hours": "h", "max_inertia_ratio": "",
+        }  # fmt: skip
         for name, unit in positive.items():
             if not np.isnan(getattr(self, name)):
                 checked_number(name, getattr(self, name), unit=unit, above=0.0)
@@ -98,6 +122,7 @@ class Drivetrain:
             "motor.coulomb_friction": self.motor.coulomb_friction,
         }
         twice = [f"{name} = {value:g}" for name, value in losses.items() if not np.isnan(value)]
+        twice += ["gearbox.efficiency_map"] if len(self.gearbox.efficiency_map) else []
         if twice:
             raise InputError(
                 f"measured_friction already contains the losses of motor and gears, but {', '.join(twice)} is given"
@@ -111,8 +136,28 @@ class Drivetrain:
 
     @property
     def inertia(self) -> float:
-        """Rotor and gear input inertia at the motor, kg m^2; unknown parts are left out."""
-        return float(np.nansum([self.motor.rotor_inertia, self.gearbox.inertia]))
+        """Rotor, brake and gear input inertia at the motor, kg m^2; unknown parts are left out."""
+        return float(np.nansum([self.motor.rotor_inertia, self.brake_inertia, self.gearbox.inertia]))
+
+    @property
+    def brake_inertia(self) -> float:
+        """What the holding brake adds to the rotor, kg m^2; 0 without one."""
+        return self.motor.brake_inertia if self.with_brake else 0.0
+
+    @property
+    def continuous_share(self) -> float:
+        """Share of the motor's continuous torque that is left; NaN: unknown.
+
+        By ambient and altitude, see `Motor.continuous_share`, and by the gearbox at its flange.
+        """
+        share = self.motor.continuous_share(ambient_celsius=self.ambient_celsius, altitude=self.altitude)
+        is_geared = self.ratio != 1 and not np.isnan(self.motor.geared_share)
+        return share * (self.motor.geared_share if is_geared else 1.0)
+
+    @property
+    def peak_curve(self) -> Array:
+        """The motor's torque over speed at the bus voltage of its drive, see `Motor.peak_curve_at`."""
+        return self.motor.peak_curve_at(self.drive.bus_voltage)
 
     @property
     def reflected_inertia(self) -> float:
@@ -129,10 +174,10 @@ class Drivetrain:
         """Factors of the load torque where the load drives, at rest, and where the motor drives, shape (3,)."""
         if self.measured_friction is not None:
             return self.measured_friction.transmission
-        if np.isnan(self.gearbox.efficiency):
+        efficiency, backward = self.gearbox.load_efficiency, self.gearbox.backward_efficiency
+        if np.isnan(efficiency):
             return np.ones(3)
-        backward = self.gearbox.backward_efficiency
-        return np.array([self.gearbox.efficiency if np.isnan(backward) else backward, 1.0, 1 / self.gearbox.efficiency])
+        return np.array([efficiency if np.isnan(backward) else backward, 1.0, 1 / efficiency])
 
     @property
     def joint_friction(self) -> Friction:
@@ -154,13 +199,23 @@ class Drivetrain:
         measured, missing = self.measured_friction, []
         if np.isnan(self.motor.rotor_inertia):
             missing.append("rotor inertia")
+        if np.isnan(self.brake_inertia):
+            missing.append("inertia of the holding brake")
+        if self.stage is not None:
+            parts = {
+                "losses": self.stage.efficiency,
+                "inertia": self.stage.inertia,
+                "friction": self.stage.friction_force,
+            }
+            missing += [f"{name} of the {self.stage.kind}" for name, value in parts.items() if np.isnan(value)]
         if measured is None and np.isnan(self.gearbox.inertia) and self.ratio != 1:
             missing.append("input inertia of the gears")
-        if measured is None and np.isnan(self.gearbox.efficiency):
+        if measured is None and np.isnan(self.gearbox.efficiency) and not len(self.gearbox.efficiency_map):
             missing.append("losses of the gears (neither efficiency nor measured friction)")
         if measured is None and np.isnan(self.friction.viscous):
             missing.append("viscous friction of the motor")
-        if measured is None and np.isnan(self.friction.coulomb).any():
+        has_map = len(self.gearbox.efficiency_map) and not np.isnan(self.motor.coulomb_friction)
+        if measured is None and np.isnan(self.friction.coulomb).any() and not has_map:
             missing.append("Coulomb friction (of the motor, or the gears' no-load torque)")
         if measured is not None and not measured.is_known:
             missing.append("measured friction (viscous or Coulomb part)")

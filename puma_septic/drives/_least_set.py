@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from puma_septic.drives._catalogue import Catalogue
 from puma_septic.drives._drivetrain import Drivetrain
-from puma_septic.drives._parts import Gearbox
+from puma_septic.drives._gearbox import Gearbox
+from puma_septic.drives._motor import Motor
 
 __all__ = ["LEAST_SET", "lacking", "lacking_of_pairs", "names_of"]
 
@@ -29,6 +30,10 @@ def _is_direct(gearbox: Gearbox) -> bool:
     return abs(gearbox.ratio) == 1
 
 
+def _has_curve(motor: Motor) -> bool:
+    return len(motor.peak_curve) > 0 or len(motor.peak_curves) > 0
+
+
 def _known(*values: float) -> bool:
     return not np.isnan(values).all()
 
@@ -37,15 +42,16 @@ _NEEDS: Final = (
     _Need("rotor inertia", "motor", lambda m: _known(m.rotor_inertia)),
     _Need("continuous torque", "motor", lambda m: _known(m.continuous_torque) or len(m.continuous_curve) > 0),
     _Need(
-        "peak torque", "motor", lambda m: _known(m.peak_torque) or len(m.peak_curve) > 0,
+        "peak torque", "motor", lambda m: _known(m.peak_torque) or _has_curve(m),
         lambda train: _known(train.max_effort),
     ),
     # A curve of peak torque ends at the highest speed.
-    _Need("highest speed", "motor", lambda m: _known(m.max_speed) or len(m.peak_curve) > 0),
+    _Need("highest speed", "motor", lambda m: _known(m.max_speed) or _has_curve(m)),
     _Need("average torque", "gearbox", lambda g: _known(g.max_average_torque) or _is_direct(g)),
     _Need("repeated peak torque", "gearbox", lambda g: _known(g.max_repeated_torque) or _is_direct(g)),
     _Need(
-        "efficiency or measured friction", "gearbox", lambda g: _known(g.efficiency) or _is_direct(g),
+        "efficiency or measured friction", "gearbox",
+        lambda g: _known(g.efficiency) or len(g.efficiency_map) > 0 or _is_direct(g),
         lambda train: train.measured_friction is not None,
     ),
 )  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, NamedTuple, final
@@ -9,7 +10,17 @@ from typing import Final, NamedTuple, final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.sizing._gearbox import expected_life
+from puma_septic.drives import Gearbox
+from puma_septic.sizing._bearing import BearingLoad, bearing_load
+from puma_septic.sizing._brake import holding_torque
+from puma_septic.sizing._gearbox import (
+    RULES,
+    allowed_rare_peaks,
+    average_load_torque,
+    expected_life,
+    impact_factor,
+    lives,
+)
 from puma_septic.sizing._load_features import LoadGrid
 from puma_septic.sizing._pair_features import PairTable
 from puma_septic.validation import Array
@@ -28,7 +39,7 @@ _CURVE_INSTANTS: Final = 96
 
 
 class PeakBounds(NamedTuple):
-    """Peaks of the motor's torque, mechanical power and voltage."""
+    """Peaks of the motor's torque, mechanical power, and voltage with a cool winding and without reactance."""
 
     torque: Bounds
     power: Bounds
@@ -89,7 +100,18 @@ class PairDemands:
     @property
     def peak_effort(self) -> Bounds:
         """Of the motor, referred to the joint."""
-        return _times(self.peak_torque, self.table.ratio)
+        return _times(self.peak_torque, self.table.ratio * self.table.stage_reduction)
+
+    @property
+    def peak_force(self) -> Bounds:
+        """On the stage of a sliding joint."""
+        slide = self.grid.load.slide
+        return self._same(np.nan if slide is None else float(slide.torque.extrema().peak[0]))
+
+    @property
+    def peak_stage_speed(self) -> Bounds:
+        """Of the stage's input."""
+        return self._same(self.grid.moments.peak_speed)
 
     @property
     def max_effort(self) -> Array:
@@ -104,7 +126,7 @@ class PairDemands:
     @property
     def continuous_torque(self) -> Array:
         """Limit of `rms_torque`."""
-        return _continuous_torque(self.table, self.table.ratio * self.grid.mean_speed)
+        return _continuous_torque(self.table, self.table.ratio * self.grid.mean_speed) * self.table.continuous_share
 
     @property
     def torque_at_speed(self) -> Bounds:
@@ -119,7 +141,12 @@ class PairDemands:
     @property
     def peak_voltage(self) -> Bounds:
         """At the motor's terminals."""
-        return _voltage(self.grid, self.table) if self.shared is None else self.shared.voltage
+        base = _cool_voltage(self.grid, self.table) if self.shared is None else self.shared.voltage
+        return _warm_voltage(self.table, base, self._winding_growth[1], self.peak_torque[1], self.peak_power[1])
+
+    @cached_property
+    def _winding_growth(self) -> Bounds:
+        return _winding_growth(self.table, self.peak_temperature_rise)
 
     @property
     def _top_speed(self) -> Array:
@@ -135,10 +162,14 @@ class PairDemands:
         """Of the motor."""
         return _exact(self.table.ratio * self.grid.mean_speed)
 
-    @property
+    @cached_property
     def peak_temperature_rise(self) -> Bounds:
         """Of the winding."""
-        return _temperature_rise(self.grid, self.table, self.rms_torque[1])
+        return self._with_field(_temperature_rise(self.grid, self.table, self.rms_torque[1]))
+
+    def _with_field(self, bounds: Bounds) -> Bounds:
+        """Without an upper bound where the drive may weaken the field, whose current adds to the torque's."""
+        return bounds[0], np.where(self.table.weakens_field & ~np.isnan(bounds[1]), np.inf, bounds[1])
 
     @property
     def max_temperature_rise(self) -> Array:
@@ -148,16 +179,19 @@ class PairDemands:
     @property
     def peak_current(self) -> Bounds:
         """Of the motor."""
-        return _times(self.peak_torque, 1 / self.table.motor("torque_constant"))
+        return self._with_field(_times(self.peak_torque, 1 / self.table.motor("torque_constant")))
 
     @property
     def rms_current(self) -> Bounds:
         """Of the motor."""
-        return _times(self.rms_torque, 1 / self.table.motor("torque_constant"))
+        return self._with_field(_times(self.rms_torque, 1 / self.table.motor("torque_constant")))
 
     @cached_property
     def _electric(self) -> dict[str, Bounds]:
-        return _electric(self.grid, self.table, self.rms_torque[1], self.peak_torque, self.peak_power)
+        found = _electric(
+            self.grid, self.table, self._winding_growth, self.rms_torque[1], self.peak_torque, self.peak_power
+        )
+        return {name: self._with_field(bounds) for name, bounds in found.items()}
 
     @property
     def peak_drawn_power(self) -> Bounds:
@@ -187,16 +221,27 @@ class PairDemands:
     @property
     def peaks(self) -> PeakBounds:
         """The peaks that take the longest to compute."""
-        return PeakBounds(self.peak_torque, self.peak_power, self.peak_voltage)
+        return PeakBounds(self.peak_torque, self.peak_power, _cool_voltage(self.grid, self.table))
 
     def _same(self, demand: float) -> Bounds:
         """One number for all pairs."""
         return _exact(np.full(len(self.table.ratio), demand))
 
+    @cached_property
+    def _average_by_gearbox(self) -> Array:
+        return _average_by_gearbox(self.grid, self.table)
+
     @property
     def average_load_torque(self) -> Bounds:
         """At the gearbox's output."""
-        return self._same(self.grid.average_torque)
+        return _exact(self._average_by_gearbox[self.table.gearbox_index])
+
+    @property
+    def repeated_torque(self) -> Bounds:
+        """At the gearbox's output."""
+        gearboxes, cycle = self.table.catalogue.gearboxes, self.grid.load.duration
+        factors = np.array([impact_factor(gearbox, cycle) for gearbox in gearboxes])
+        return _exact(self.grid.peak_torque * factors[self.table.gearbox_index])
 
     @property
     def peak_load_torque(self) -> Bounds:
@@ -212,8 +257,9 @@ class PairDemands:
     def load_inertia_ratio(self) -> Bounds:
         """Of the load, gears included, to the rotor."""
         load = self.grid.inertia / self.table.ratio**2 + np.nan_to_num(self.table.gearbox("inertia"))
+        brake = self.table.motor("brake_inertia") if self.table.place.with_brake else 0.0
         with np.errstate(divide="ignore"):
-            return _exact(load / self.table.motor("rotor_inertia"))
+            return _exact(load / (self.table.motor("rotor_inertia") + brake))
 
     @property
     def max_inertia_ratio(self) -> Array:
@@ -226,9 +272,98 @@ class PairDemands:
         return self._same(self.table.place.required_life_hours)
 
     @property
-    def expected_life_hours(self) -> Array:
+    def assured_life_hours(self) -> Array:
         """Of the gearbox."""
         return expected_lives(self.grid, self.table)
+
+    def _of_bearing(self, value: Callable[[BearingLoad, Gearbox], float]) -> Array:
+        """A value of each gearbox's bearing, NaN at a joint that slides."""
+        loads = ((bearing_load(self.grid.load, gearbox), gearbox) for gearbox in self.table.catalogue.gearboxes)
+        found = [np.nan if bearing is None else value(bearing, gearbox) for bearing, gearbox in loads]
+        return np.array(found)[self.table.gearbox_index]
+
+    @property
+    def peak_tilting_moment(self) -> Bounds:
+        """On the output bearing."""
+        return _exact(self._of_bearing(lambda bearing, _: bearing.peak_tilting[0]))
+
+    @property
+    def peak_axial_force(self) -> Bounds:
+        """On the output bearing."""
+        return _exact(self._of_bearing(lambda bearing, _: bearing.peak_axial[0]))
+
+    @property
+    def peak_radial_force(self) -> Bounds:
+        """On the output bearing."""
+        return _exact(self._of_bearing(lambda bearing, _: bearing.peak_radial[0]))
+
+    @property
+    def safe_static_load(self) -> Bounds:
+        """On the output bearing."""
+        return _exact(self._of_bearing(BearingLoad.safe_static_load))
+
+    @property
+    def bearing_life_hours(self) -> Array:
+        """Of the output bearing."""
+        return self._of_bearing(BearingLoad.life_hours)
+
+    @property
+    def standing_torque(self) -> Bounds:
+        """Of the motor at rest, where the gears lose nothing."""
+        load = self.grid.load
+        stands = (load.velocity_sign == 0) & ~load.braked
+        return _exact(float(load.torque.by_interval(stands).extrema().peak[0]) / self.table.ratio)
+
+    @property
+    def max_standing_torque(self) -> Array:
+        """Limit of `standing_torque`."""
+        return self.table.motor("standstill_torque") * self.table.continuous_share
+
+    @property
+    def braked(self) -> Array:
+        """1 where a brake is used, else NaN."""
+        uses = self.table.place.with_brake or bool(self.grid.load.braked.any())
+        return np.full(len(self.table.ratio), 1.0 if uses else np.nan)
+
+    @property
+    def unbraked(self) -> Array:
+        """The other way round."""
+        return np.where(np.isnan(self.braked), 1.0, np.nan)
+
+    @property
+    def holding_torque(self) -> Bounds:
+        """That the brake must hold."""
+        return _exact(holding_torque(self.grid.load, 1.0)[0] / self.table.ratio)
+
+    @property
+    def brake_stop_energy(self) -> Bounds:
+        """Known from the full assessment alone."""
+        return self._open(~np.isnan(self.table.motor("brake_torque")))
+
+    @property
+    def brake_wear(self) -> Bounds:
+        """Known from the full assessment alone."""
+        known = ~np.isnan(self.table.motor("brake_torque")) & ~np.isnan(self.table.place.emergency_stops)
+        return self._open(known)
+
+    def _open(self, known: NDArray[np.bool_]) -> Bounds:
+        """No bounds: what is known is assessed in full."""
+        return np.where(known, 0.0, np.nan), np.where(known, np.inf, np.nan)
+
+    @property
+    def emergency_stops(self) -> Bounds:
+        """Of the gearbox."""
+        return self._same(self.table.place.emergency_stops)
+
+    @property
+    def allowed_emergency_stops(self) -> Array:
+        """Of the gearbox."""
+        peak, place = self.grid.moments.peak_speed, self.table.place
+        counts = [
+            allowed_rare_peaks(gearbox, input_speed=abs(gearbox.ratio) * peak, duration=place.emergency_duration)
+            for gearbox in self.table.catalogue.gearboxes
+        ]
+        return np.array(counts)[self.table.gearbox_index]
 
 
 def _exact(demand: Array) -> Bounds:
@@ -287,15 +422,60 @@ def _largest(coefficients: Array, rows: Array) -> Array:
     return largest
 
 
-def _voltage(grid: LoadGrid, table: PairTable) -> Bounds:
-    """Also a sum of the features, with more velocity in it."""
-    k_t, resistance = table.motor("torque_constant"), table.motor("resistance")
+def _winding_growth(table: PairTable, rise: Bounds) -> Bounds:
+    """Of the resistance over the printed one; 1 where no temperature is known."""
+    copper = table.motor("copper_coefficient")
+    cool = 1 + copper * (table.place.ambient_celsius - table.motor("reference_celsius"))
+    known = ~np.isnan(rise[1])
+    with np.errstate(invalid="ignore"):
+        warm = cool + np.where(copper > 0, copper * rise[1], 0.0)
+    return np.where(known, cool, 1.0) * (1 - _ROUNDING), np.where(known, warm, 1.0) * (1 + _ROUNDING)
+
+
+def _coolest(table: PairTable) -> Array:
+    """Growth of the resistance over the printed one that no load goes below: at the ambient, or none."""
+    cool = 1 + table.motor("copper_coefficient") * (table.place.ambient_celsius - table.motor("reference_celsius"))
+    return np.asarray(np.minimum(cool, 1.0) * (1 - _ROUNDING))
+
+
+def _cool_voltage(grid: LoadGrid, table: PairTable) -> Bounds:
+    """Also a sum of the features, with more velocity in it; with the coolest winding and without reactance.
+
+    Where current and voltage have one sign a warmer winding needs more; elsewhere it may need any less.
+    """
+    k_t, resistance = table.motor("dc_torque_constant"), table.motor("dc_resistance") * _coolest(table)
     coefficients = table.coefficients * (resistance / k_t)[:, None]
-    coefficients[:, 4] += k_t * table.ratio
+    coefficients[:, 4] += table.motor("back_emf") * table.ratio
     known = ~np.isnan(coefficients).any(axis=1)
-    largest = np.full(len(coefficients), np.nan)
-    largest[known] = _largest(coefficients[known], grid.torque_rows)
-    return largest * (1 - _ROUNDING), largest * grid.excess + _slack(grid, table) * resistance / k_t
+    largest, low = np.full((2, len(coefficients)), np.nan)
+    found, at = _largest_at(coefficients[known], grid.torque_rows)
+    current = np.einsum("pi,pi->p", table.coefficients[known], grid.torque_rows[at])
+    largest[known], low[known] = np.abs(found), np.where(current * found >= 0, np.abs(found), 0.0)
+    return low * (1 - _ROUNDING), largest * grid.excess + _slack(grid, table) * resistance / k_t
+
+
+def _largest_at(coefficients: Array, rows: Array) -> tuple[Array, NDArray[np.int64]]:
+    """The value of largest magnitude among the instants, for each pair, and its row."""
+    value, at = np.empty(len(coefficients)), np.empty(len(coefficients), dtype=np.int64)
+    for start in range(0, len(coefficients), _BLOCK):
+        values = coefficients[start : start + _BLOCK] @ rows.T
+        own = np.abs(values).argmax(axis=1)
+        at[start : start + _BLOCK] = own
+        value[start : start + _BLOCK] = values[np.arange(len(own)), own]
+    return value, at
+
+
+def _warm_voltage(table: PairTable, base: Bounds, growth: Array, peak_torque: Array, peak_power: Array) -> Bounds:
+    """What the winding's warmth and its reactance add at most.
+
+    The drop over the reactance is at right angles to the other, ``X speed i``, at most X times the peak power over k_t.
+    """
+    k_t, resistance = table.motor("dc_torque_constant"), table.motor("dc_resistance")
+    with np.errstate(invalid="ignore"):
+        warmth = np.where(resistance > 0, resistance * (growth - _coolest(table)) / k_t * peak_torque, 0.0 * k_t)
+    across = table.motor("reactance_constant") * peak_power / k_t
+    high = np.hypot(base[1] + warmth, across) * (1 + _ROUNDING)
+    return np.where(table.weakens_field, 0.0 * base[0], base[0]), high
 
 
 def _continuous_torque(table: PairTable, mean_speed: Array) -> Array:
@@ -314,7 +494,7 @@ def _torque_at_speed(grid: LoadGrid, table: PairTable, highest: Array, top_speed
     rows = np.vstack([grid.torque_rows, grid.power_rows])
     rows = rows[:: -(-len(rows) // _CURVE_INSTANTS)]
     for motor, own in table.by_motor():
-        curve = motor.peak_curve
+        curve = motor.peak_curve_at(table.bus_voltage(own))
         if not len(curve):
             continue
         end = curve[-1, 0]
@@ -341,7 +521,7 @@ def _temperature_rise(grid: LoadGrid, table: PairTable, rms: Array) -> Bounds:
             capacity = motor.thermal_time_constants[0] / motor.thermal_resistances[0]
             total[rows] = motor.thermal_resistances.sum()
             share[rows] = total[rows] + grid.load.duration / capacity
-    loss = rms**2 * table.motor("resistance") / table.motor("torque_constant") ** 2
+    loss = rms**2 * table.motor("dc_resistance") / table.motor("dc_torque_constant") ** 2
     copper, ambient = table.motor("copper_coefficient"), table.place.ambient_celsius
     growth = 1 + copper * (ambient - table.motor("reference_celsius"))
     feedback = 1 - copper * share * loss * (1 + _ROUNDING)
@@ -350,43 +530,60 @@ def _temperature_rise(grid: LoadGrid, table: PairTable, rms: Array) -> Bounds:
     return total * loss * growth * (1 - 10 * _ROUNDING), high
 
 
-def _electric(grid: LoadGrid, table: PairTable, rms: Array, peak: Bounds, power: Bounds) -> dict[str, Bounds]:
+def _electric(
+    grid: LoadGrid, table: PairTable, growth: Bounds, rms: Array, peak: Bounds, power: Bounds
+) -> dict[str, Bounds]:
     """Power and energy at the terminals: mechanical power and copper loss, each bounded by itself."""
     n, c = table.ratio, table.coefficients
-    heat = table.motor("resistance") / table.motor("torque_constant") ** 2
-    net = n * (c @ grid.with_velocity) + heat * rms**2
-    unknown, gone = np.where(np.isnan(heat), np.nan, 0.0), heat * rms**2
+    heat = table.motor("dc_resistance") / table.motor("dc_torque_constant") ** 2
+    unknown = np.where(np.isnan(heat), np.nan, 0.0)
+    with np.errstate(invalid="ignore"):
+        cold, hot = heat * growth[0], np.where(heat > 0, heat * growth[1], heat)
+    net = n * (c @ grid.with_velocity) + cold * rms**2 * (1 - 10 * _ROUNDING)
     rubbing = n * (c[:, 4] * grid.gram[4, 4] + c[:, 5] * grid.gram[5, 4] + c[:, 6] * grid.gram[6, 4])
-    drawn = n * (c[:, 0] * grid.driving[0] + c[:, 1] * grid.driving[1]) + rubbing + gone
+    working = n * (c[:, 0] * grid.driving[0] + c[:, 1] * grid.driving[1]) + rubbing
+    drawn = working + hot * rms**2
     back = n * (c[:, 0] * grid.driven[0] + c[:, 3] * grid.driven[1]) * (1 + _ROUNDING) + unknown
-    runs_full = (net <= 10 * _ROUNDING * drawn) & (not grid.load.why_not_periodic)
-    cycle = grid.load.duration
-    stored = np.where(runs_full, np.inf, back * cycle) + unknown
+    slack = 10 * _ROUNDING * (working + cold * rms**2)
+    runs_full = (net <= slack) & (not grid.load.why_not_periodic)
+    stored = np.where(runs_full, np.inf, back * grid.load.duration) + unknown
     return {
-        "peak drawn": (unknown, power[1] + heat * peak[1] ** 2),
-        "mean drawn": (np.maximum(net - 10 * _ROUNDING * drawn, 0.0), drawn * (1 + _ROUNDING)),
+        "peak drawn": (unknown, power[1] + hot * peak[1] ** 2),
+        "mean drawn": (np.maximum(net - slack, 0.0), drawn * (1 + _ROUNDING)),
         "peak returned": (unknown, power[1] + unknown),
         "stored": (unknown, stored),
         "mean braked": (unknown, back),
     }
 
 
+def _average_by_gearbox(grid: LoadGrid, table: PairTable) -> Array:
+    """Average torque at each gearbox's output, by the exponent of its kind."""
+    gearboxes = table.catalogue.gearboxes
+    exponents = np.array([RULES[gearbox.kind].exponent for gearbox in gearboxes])
+    own = RULES[""].exponent
+    found = {p: average_load_torque(grid.load, p) for p in np.unique(exponents).tolist() if p != own}
+    found[own] = grid.average_torque
+    return np.array([found[p] for p in exponents.tolist()])
+
+
 def expected_lives(grid: LoadGrid, table: PairTable) -> Array:
-    """Expected life of each pair's gearbox, h; it depends on the gearbox alone.
+    """Life of each pair's gearbox that a required one is held against, h; it depends on the gearbox alone.
 
     Returns
     -------
     ndarray, shape (n_pairs,)
     """
-    torque = grid.average_torque if grid.load.moves else 0.0
-    lives = [
-        expected_life(
+    hours = []
+    averages = _average_by_gearbox(grid, table).tolist()
+    for gearbox, average in zip(table.catalogue.gearboxes, averages, strict=True):
+        life = expected_life(
             gearbox.rated_life_hours,
             rated_torque=gearbox.rated_torque,
             rated_speed=gearbox.rated_speed,
-            average_torque=torque,
+            average_torque=average if grid.load.moves else 0.0,
             average_speed=abs(gearbox.ratio) * grid.mean_speed,
+            exponent=RULES[gearbox.kind].exponent,
         )
-        for gearbox in table.catalogue.gearboxes
-    ]
-    return np.array(lives)[table.gearbox_index]
+        first = lives(gearbox, life)[0]
+        hours.append(life if np.isnan(first) else first)
+    return np.array(hours)[table.gearbox_index]

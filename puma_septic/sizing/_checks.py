@@ -8,7 +8,7 @@ from typing import Final, final
 
 import numpy as np
 
-from puma_septic.drives import Drive, Gearbox, Motor
+from puma_septic.drives import Drive, Drivetrain, Gearbox, LinearStage, Motor
 from puma_septic.limit_check import Kind, LimitCheck
 from puma_septic.sizing._bounds import Bounds, PairDemands, PeakBounds, utilisation
 from puma_septic.sizing._demands import Demands, Peak
@@ -20,11 +20,14 @@ __all__ = ["DRIVE_LIMITS", "DriveLimit", "NotAssessed", "Outcome", "assess_joint
 
 _SIEMENS: Final = "Siemens: SIMOVERT MASTERDRIVES MC compendium, p. 11-15"
 _HARMONIC: Final = "Harmonic Drive: engineering data HFUS-2A, p. 19"
-_HARMONIC_LIFE: Final = "Harmonic Drive: engineering data CSD-2A, p. 20"
+_BEARING: Final = "Harmonic Drive: FHA manual, Verifying loads; CHA manual 1018854, p. 70"
+_BRAKE: Final = "NORD: project planning, braking work W_B"
 _SHEET: Final = "data sheet"
-_PARTS: Final = {"motor": Motor, "gearbox": Gearbox, "drive": Drive}
+_PARTS: Final = {"train": Drivetrain, "motor": Motor, "gearbox": Gearbox, "drive": Drive, "stage": LinearStage}
 # The unit of a torque at the joint: N where that slides.
 _JOINT: Final = "N m at the joint"
+# The same at the gearbox's output.
+_OUTPUT: Final = "N m at the gearbox"
 
 
 @final
@@ -65,7 +68,7 @@ class DriveLimit:
     unless : str
         A value of a part; where it is known the limit does not apply.
     asked : str
-        A property of both; where it is not known the limit is not asked for, and not listed as not assessed.
+        A value of a part, or a property of both; where it is not known the limit is not asked for, and not listed.
 
     Raises
     ------
@@ -86,7 +89,7 @@ class DriveLimit:
 
     def __post_init__(self) -> None:
         homes = [Demands] if self.kind == "rule of thumb" else [Demands, PairDemands]
-        for name in (self.demand, self.limit, *filter(None, [self.unless])):
+        for name in (self.demand, self.limit, *filter(None, [self.unless, self.asked])):
             part, _, field = name.rpartition(".")
             for home in [_PARTS[part]] if part else homes:
                 if not hasattr(home, field):
@@ -110,7 +113,7 @@ class DriveLimit:
         peak = demand if isinstance(demand, Peak) else Peak(demand, np.nan)
         if np.isnan(limit) or np.isnan(peak.size):
             return NotAssessed(joint=joint, quantity=self.quantity, reason=f"needs {self.needs}")
-        unit = ("N" if demands.load.is_prismatic else "N m") if self.unit == _JOINT else self.unit
+        unit = self._unit(demands)
         return LimitCheck.of_magnitude(
             joint=joint,
             quantity=self.quantity,
@@ -122,6 +125,10 @@ class DriveLimit:
             source=self.source if isinstance(self.source, str) else self.source(demands),
         )
 
+    def _unit(self, demands: Demands) -> str:
+        slides = demands.load.is_prismatic or (self.unit == _JOINT and demands.load.slide is not None)
+        return ("N" if slides else "N m") if self.unit in (_JOINT, _OUTPUT) else self.unit
+
     def bounds(self, demands: PairDemands) -> Bounds:
         """Utilisation by many drive trains at once; NaN where it is not assessed.
 
@@ -130,6 +137,10 @@ class DriveLimit:
         Bounds
         """
         limit = _values(demands, self.limit)
+        if self.asked and not self.asked.startswith("train."):
+            limit = np.where(np.isnan(_values(demands, self.asked)), np.nan, limit)
+        if np.isnan(limit).all():
+            return limit, limit
         if self.unless:
             limit = np.where(np.isnan(_values(demands, self.unless)), limit, np.nan)
         return utilisation(getattr(demands, self.demand), limit, demands.table)
@@ -137,7 +148,8 @@ class DriveLimit:
 
 def _value(demands: Demands, name: str) -> float:
     part, _, field = name.rpartition(".")
-    return float(getattr(getattr(demands.train, part) if part else demands, field))
+    home = demands if not part else demands.train if part == "train" else getattr(demands.train, part)
+    return np.nan if home is None else float(getattr(home, field))
 
 
 def _values(demands: PairDemands, name: str) -> Array:
@@ -224,18 +236,32 @@ DRIVE_LIMITS: Final = (
         needs="torque constant, resistance and the brake resistor's power",
     ),
     DriveLimit(
+        quantity="stage force", demand="peak_force", limit="stage.max_force", unit="N", kind="physics",
+        needs="the stage's largest force", asked="stage.max_force",
+    ),
+    DriveLimit(
+        quantity="stage speed", demand="peak_stage_speed", limit="stage.max_speed", unit="rad/s", kind="physics",
+        needs="the stage's highest speed", asked="stage.max_speed",
+    ),
+    DriveLimit(
         quantity="gearbox average torque", demand="average_load_torque", limit="gearbox.max_average_torque",
-        unit=_JOINT, kind="vendor procedure", source=_HARMONIC, why="why_no_average",
+        unit=_OUTPUT, kind="vendor procedure", source=lambda d: d.gear_rule.average, why="why_no_average",
         needs="the gearbox's limit of the average torque",
     ),
     DriveLimit(
-        quantity="gearbox repeated peak torque", demand="peak_load_torque", limit="gearbox.max_repeated_torque",
-        unit=_JOINT, kind="vendor procedure", source=_HARMONIC, needs="the gearbox's limit of repeated peaks",
+        quantity="gearbox repeated peak torque", demand="repeated_torque", limit="gearbox.max_repeated_torque",
+        unit=_OUTPUT, kind="vendor procedure", source=lambda d: d.gear_rule.peaks,
+        needs="the gearbox's limit of repeated peaks; of a planetary one beyond 1000 cycles per hour its impact factor",
     ),
     DriveLimit(
         quantity="gearbox momentary peak torque", demand="momentary_torque", limit="gearbox.max_momentary_torque",
-        unit=_JOINT, kind="vendor procedure", source=_HARMONIC,
+        unit=_OUTPUT, kind="vendor procedure", source=lambda d: d.gear_rule.peaks,
         needs="the torque of a collision or emergency stop, and the gearbox's limit of momentary peaks",
+    ),
+    DriveLimit(
+        quantity="gearbox momentary peaks", demand="emergency_stops", limit="allowed_emergency_stops", unit="",
+        kind="vendor procedure", source=lambda d: d.gear_rule.peaks, asked="train.emergency_stops",
+        needs="how many momentary peaks the gearbox bears: its kind, or how long one lasts",
     ),
     DriveLimit(
         quantity="gearbox average input speed", demand="mean_speed", limit="gearbox.max_average_input_speed",
@@ -248,9 +274,51 @@ DRIVE_LIMITS: Final = (
     ),
     # The life that is asked for is the demand, the expected one the limit.
     DriveLimit(
-        quantity="gearbox life", demand="required_life_hours", limit="expected_life_hours", unit="h",
-        kind="vendor procedure", source=_HARMONIC_LIFE,
+        quantity="gearbox life", demand="required_life_hours", limit="assured_life_hours", unit="h",
+        kind="vendor procedure", source=lambda d: d.gear_rule.life,
         needs="a required life, and the gearbox's rated life, torque and speed",
+    ),
+    DriveLimit(
+        quantity="output bearing tilting moment", demand="peak_tilting_moment", limit="gearbox.max_tilting_moment",
+        unit="N m", kind="vendor procedure", source=_BEARING, needs="the gearbox's limit of the tilting moment",
+        why="why_no_bearing",
+    ),
+    DriveLimit(
+        quantity="output bearing axial force", demand="peak_axial_force", limit="gearbox.max_axial_force", unit="N",
+        kind="vendor procedure", source=_BEARING, needs="the largest axial force", asked="gearbox.max_axial_force",
+    ),
+    DriveLimit(
+        quantity="output bearing radial force", demand="peak_radial_force", limit="gearbox.max_radial_force", unit="N",
+        kind="vendor procedure", source=_BEARING, needs="the largest radial force", asked="gearbox.max_radial_force",
+    ),
+    DriveLimit(
+        quantity="output bearing static load", demand="safe_static_load", limit="gearbox.bearing_static_load", unit="N",
+        kind="vendor procedure", source=_BEARING, needs="the bearing's static load rating and diameter",
+        asked="gearbox.bearing_static_load",
+    ),
+    DriveLimit(
+        quantity="output bearing life", demand="required_life_hours", limit="bearing_life_hours", unit="h",
+        kind="vendor procedure", source=_BEARING, needs="a required life, and the bearing's load rating and diameter",
+        asked="gearbox.bearing_dynamic_load",
+    ),
+    DriveLimit(
+        quantity="motor torque at standstill", demand="standing_torque", limit="max_standing_torque", unit="N m",
+        kind="vendor procedure", needs="the motor's torque at standstill, and what ambient and altitude leave of it",
+        asked="motor.standstill_torque",
+    ),
+    DriveLimit(
+        quantity="holding brake torque", demand="holding_torque", limit="motor.brake_torque", unit="N m",
+        kind="physics", needs="the holding brake's torque", asked="braked",
+    ),
+    DriveLimit(
+        quantity="holding brake energy of a stop", demand="brake_stop_energy", limit="motor.brake_stop_energy",
+        unit="J", kind="vendor procedure", source=_BRAKE, asked="braked",
+        needs="the holding brake's torque and the energy that it bears in one stop",
+    ),
+    DriveLimit(
+        quantity="holding brake wear", demand="brake_wear", limit="motor.brake_total_energy", unit="J",
+        kind="vendor procedure", source=_BRAKE, asked="train.emergency_stops", unless="unbraked",
+        needs="the holding brake's torque and the energy that it bears in its life",
     ),
 )  # fmt: skip
 """Every check of a drive train, in the order of its documents."""

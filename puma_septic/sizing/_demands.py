@@ -9,13 +9,22 @@ from typing import NamedTuple, final
 import numpy as np
 
 from puma_septic.drives import Drivetrain
-from puma_septic.errors import NoSolution, PumaSepticError
 from puma_septic.piecewise import Piecewise
-from puma_septic.sizing._electrical import Regeneration, electric_power, energies, regeneration
-from puma_septic.sizing._gearbox import average_load_torque, expected_life
+from puma_septic.sizing._bearing import BearingLoad, bearing_load
+from puma_septic.sizing._brake import holding_torque, stop_energy
+from puma_septic.sizing._electric_motor import ElectricMotor
+from puma_septic.sizing._electrical import Regeneration, energies, regeneration
+from puma_septic.sizing._gearbox import (
+    RULES,
+    GearRule,
+    allowed_rare_peaks,
+    average_load_torque,
+    expected_life,
+    impact_factor,
+    lives,
+)
 from puma_septic.sizing._loads import JointLoad, MotorLoad
-from puma_septic.sizing._thermal import steady_cycle, thermal_equation
-from puma_septic.sizing._torque_speed import torque_at_speed, voltage
+from puma_septic.sizing._torque_speed import torque_at_speed
 from puma_septic.validation import Array
 
 __all__ = ["Demands", "Peak"]
@@ -58,7 +67,18 @@ class Demands:
     @cached_property
     def average_load_torque(self) -> float:
         """Cubic mean weighted by speed at the gearbox's output, N m; NaN where the joint never moves."""
-        return average_load_torque(self.load)
+        return average_load_torque(self.load, self.gear_rule.exponent)
+
+    @property
+    def gear_rule(self) -> GearRule:
+        """Of the makers of this type of gear."""
+        return RULES[self.train.gearbox.kind]
+
+    @property
+    def repeated_torque(self) -> Peak:
+        """Peak at the gearbox's output as it counts where many come in an hour, N m, see `impact_factor`."""
+        peak = self.peak_load_torque
+        return Peak(peak.size * impact_factor(self.train.gearbox, self.load.duration), peak.time)
 
     @cached_property
     def peak_torque(self) -> Peak:
@@ -68,7 +88,19 @@ class Demands:
     @cached_property
     def peak_effort(self) -> Peak:
         """The same referred to the joint, N m (N)."""
-        return Peak(self.train.ratio * self.peak_torque.size, self.peak_torque.time)
+        k = 1.0 if self.train.stage is None else self.train.stage.reduction
+        return Peak(self.train.ratio * k * self.peak_torque.size, self.peak_torque.time)
+
+    @property
+    def peak_force(self) -> Peak:
+        """On the stage of a sliding joint, N."""
+        return _UNKNOWN if self.load.slide is None else self._peak(self.load.slide.torque)
+
+    @property
+    def peak_stage_speed(self) -> Peak:
+        """Of the stage's input, rad/s."""
+        found = self.load.velocity.extrema()
+        return Peak(float(found.peak[0]), float(found.t_peak[0]))
 
     @property
     def max_effort(self) -> float:
@@ -106,12 +138,12 @@ class Demands:
     @property
     def continuous_torque(self) -> float:
         """Limit of `rms_torque`: of the S1 curve where there is one."""
-        return self.train.motor.continuous_torque_at(self.mean_speed)
+        return self.train.motor.continuous_torque_at(self.mean_speed) * self.train.continuous_share
 
     @cached_property
     def _at_speed(self) -> tuple[Peak, float]:
         """Torque and limit where the motor comes closest to, or farthest beyond, its curve of torque over speed."""
-        curve = self.train.motor.peak_curve
+        curve = self.train.peak_curve
         if not len(curve):
             return _UNKNOWN, np.nan
         if not np.isnan(self.load.unbounded):
@@ -131,24 +163,26 @@ class Demands:
 
     @cached_property
     def inertia_ratio(self) -> Peak:
-        """Largest inertia of the load at the motor over that of rotor and gear input."""
-        if np.isnan(self.train.motor.rotor_inertia) or not self.train.inertia > 0:
-            return _UNKNOWN
-        found = self.load.inertia.extrema()
-        return Peak(float(found.max[0]) / self.train.reflected_inertia, float(found.t_max[0]))
-
-    @cached_property
-    def load_inertia_ratio(self) -> Peak:
-        """Largest inertia of the load at the motor, with that of the gears, over the rotor's alone.
+        """Largest inertia of load and gears at the motor over the rotor's, its brake's with it.
 
         So the makers of motors count, as Yaskawa, Sigma-V manual E-V-MD, p. 2-5: ``J_L = J_L1 + J_B + J_G``.
         """
-        rotor = self.train.motor.rotor_inertia
+        rotor = self.train.motor.rotor_inertia + self.train.brake_inertia
         if not rotor > 0:
             return _UNKNOWN
         found = self.load.inertia.extrema()
-        gears = float(np.nan_to_num(self.train.gearbox.inertia))
-        return Peak((float(found.max[0]) / self.train.ratio**2 + gears) / rotor, float(found.t_max[0]))
+        driven = float(found.max[0]) / self.train.ratio**2 + float(np.nan_to_num(self.train.gearbox.inertia))
+        return Peak(driven / rotor, float(found.t_max[0]))
+
+    @cached_property
+    def electric(self) -> ElectricMotor:
+        """Currents, winding temperature, voltage and power."""
+        return ElectricMotor(load=self.load, train=self.train, motor=self.motor)
+
+    @property
+    def load_inertia_ratio(self) -> Peak:
+        """`inertia_ratio`, held against the limit that is asked for."""
+        return self.inertia_ratio
 
     @property
     def max_inertia_ratio(self) -> float:
@@ -157,36 +191,39 @@ class Demands:
 
     @cached_property
     def peak_voltage(self) -> Peak:
-        """At the terminals of the equivalent direct-current motor, V."""
-        motor = self.train.motor
-        if np.isnan(motor.torque_constant) or np.isnan(motor.resistance):
+        """At the terminals, the peak between two lines, V."""
+        if not self.electric.is_known:
             return _UNKNOWN
-        return self._peak(voltage(self.motor, motor.torque_constant, motor.resistance))
+        return self._unbounded or Peak(*self.electric.peak_voltage)
 
     @cached_property
     def peak_current(self) -> Peak:
-        """A."""
-        return Peak(self.peak_torque.size / self.train.motor.torque_constant, self.peak_torque.time)
+        """In the measure of the motor's sheet, A."""
+        if np.isnan(self.train.motor.torque_constant):
+            return _UNKNOWN
+        return self._unbounded or Peak(*self.electric.peak_current)
 
     @cached_property
     def rms_current(self) -> float:
-        """A."""
-        return self.rms_torque / self.train.motor.torque_constant
+        """In the measure of the motor's sheet, A."""
+        if np.isnan(self.train.motor.torque_constant):
+            return np.nan
+        return np.inf if self._unbounded else self.electric.rms_current
+
+    @property
+    def _unbounded(self) -> Peak | None:
+        """An infinite peak where a velocity steps or the winding runs away."""
+        return Peak(np.inf, self.load.unbounded) if self.electric.is_unbounded else None
 
     @cached_property
     def peak_power(self) -> Peak:
         """Largest mechanical power of the motor in either direction, W."""
         return self._peak(self.motor.power)
 
-    @cached_property
+    @property
     def electric_power(self) -> Piecewise | None:
         """At the motor's terminals, W; None where torque constant or resistance is unknown."""
-        motor = self.train.motor
-        if np.isnan(motor.torque_constant) or np.isnan(motor.resistance):
-            return None
-        return electric_power(
-            self.motor.torque, self.motor.speed, torque_constant=motor.torque_constant, resistance=motor.resistance
-        )
+        return self.electric.power if self.electric.is_known else None
 
     @cached_property
     def peak_drawn_power(self) -> Peak:
@@ -216,14 +253,14 @@ class Demands:
     @property
     def mean_drawn_power(self) -> float:
         """Electric power drawn, on average over the cycle, W."""
-        return self.electric_energy[0] / self.load.duration if np.isnan(self.load.unbounded) else np.inf
+        return np.inf if self.electric.is_unbounded else self.electric_energy[0] / self.load.duration
 
     @cached_property
     def regeneration(self) -> Regeneration:
         """What the bus must take up or burn; a bus of unknown capacity is taken to have none."""
         if self.electric_flows is None:
             return Regeneration(stored=np.nan, braked=np.nan)
-        if not np.isnan(self.load.unbounded):
+        if self.electric.is_unbounded:
             return Regeneration(stored=np.inf, braked=np.inf)
         storable = float(np.nan_to_num(self.train.drive.storable_energy))
         return regeneration(self.electric_flows, storable=storable, periodic=not self.load.why_not_periodic)
@@ -238,52 +275,15 @@ class Demands:
         """What the brake resistor must burn, on average over the cycle, W."""
         return self.regeneration.braked / self.load.duration
 
-    @cached_property
+    @property
     def why_no_temperature(self) -> str:
         """What hinders the steady winding temperature; empty where nothing does."""
-        return self._why_no_steady_state or self._steady_temperature[1]
+        return self.electric.why_no_temperature
 
-    @cached_property
-    def _why_no_steady_state(self) -> str:
-        """What is not known, or that the cycle does not repeat."""
-        motor = self.train.motor
-        needs = {
-            "the motor's torque constant": np.isnan(motor.torque_constant),
-            "the motor's resistance": np.isnan(motor.resistance),
-            "its thermal resistances and time constants": not len(motor.thermal_resistances),
-        }
-        if missing := [name for name, lacks in needs.items() if lacks]:
-            return f"needs {', '.join(missing)}"
-        return f"no steady temperature: {self.load.why_not_periodic}" if self.load.why_not_periodic else ""
-
-    @cached_property
+    @property
     def temperature_rise(self) -> Piecewise | None:
-        """Of each thermal node over ambient in the steady cycle, the winding first, K.
-
-        None where it is not known, or where there is no steady state: `peak_temperature_rise` tells which.
-        """
-        return self._steady_temperature[0]
-
-    @cached_property
-    def _steady_temperature(self) -> tuple[Piecewise | None, str]:
-        """The rise, and what hinders it; neither where it runs away or the torque is unbounded."""
-        motor = self.train.motor
-        if self._why_no_steady_state or not np.isnan(self.load.unbounded):
-            return None, self._why_no_steady_state
-        torque = self.motor.torque
-        equation = thermal_equation(
-            torque * torque * (motor.resistance / motor.torque_constant**2),
-            motor.thermal_resistances,
-            motor.thermal_time_constants,
-            copper=motor.copper_coefficient,
-            excess=self.train.ambient_celsius - motor.reference_celsius,
-        )
-        try:
-            return steady_cycle(*equation), ""
-        except NoSolution:
-            return None, ""
-        except PumaSepticError as error:
-            return None, str(error)
+        """Of each thermal node over ambient in the steady cycle, the winding first, K; see `ElectricMotor`."""
+        return self.electric.temperature_rise
 
     @cached_property
     def peak_temperature_rise(self) -> Peak:
@@ -316,6 +316,108 @@ class Demands:
         return self.train.required_life_hours
 
     @cached_property
+    def bearing(self) -> BearingLoad | None:
+        """What the bearing at the gearbox's output carries; None for a joint that slides."""
+        return bearing_load(self.load, self.train.gearbox)
+
+    @property
+    def peak_tilting_moment(self) -> Peak:
+        """On the bearing, N m."""
+        return self._of_bearing("peak_tilting")
+
+    @property
+    def peak_axial_force(self) -> Peak:
+        """On the bearing, N."""
+        return self._of_bearing("peak_axial")
+
+    @property
+    def peak_radial_force(self) -> Peak:
+        """On the bearing, N."""
+        return self._of_bearing("peak_radial")
+
+    def _of_bearing(self, name: str) -> Peak:
+        if self.bearing is None:
+            return _UNKNOWN
+        if not np.isnan(self.load.unbounded):
+            return Peak(np.inf, self.load.unbounded)
+        return Peak(*getattr(self.bearing, name))
+
+    @property
+    def safe_static_load(self) -> float:
+        """Static equivalent load of the bearing with the safety of normal operation, N."""
+        return np.nan if self.bearing is None else self.bearing.safe_static_load(self.train.gearbox)
+
+    @property
+    def bearing_life_hours(self) -> float:
+        """L10 of the bearing, h."""
+        return np.nan if self.bearing is None else self.bearing.life_hours(self.train.gearbox)
+
+    @property
+    def standing_torque(self) -> Peak:
+        """Of the motor while its joint stands without a brake, N m."""
+        stands = (self.load.velocity_sign == 0) & ~self.load.braked
+        found = self.load.torque.by_interval(stands).extrema()
+        return Peak(float(found.peak[0]) / self.train.ratio, float(found.t_peak[0]))
+
+    @property
+    def max_standing_torque(self) -> float:
+        """Limit of `standing_torque`, where ambient and altitude leave less."""
+        return self.train.motor.standstill_torque * self.train.continuous_share
+
+    @property
+    def braked(self) -> float:
+        """1 where a holding brake is used or taken with the motor, NaN where nobody asks for one."""
+        return 1.0 if self.train.with_brake or self.load.braked.any() else np.nan
+
+    @property
+    def unbraked(self) -> float:
+        """The other way round."""
+        return np.nan if self.braked == 1 else 1.0
+
+    @property
+    def why_no_bearing(self) -> str:
+        """Why nothing is known of the output bearing's load; empty where it is."""
+        return "" if self.bearing is not None else "the joint slides, or its arm is not known"
+
+    @property
+    def holding_torque(self) -> Peak:
+        """That the brake must hold, N m at the motor."""
+        return Peak(*holding_torque(self.load, self.train.ratio))
+
+    @property
+    def brake_stop_energy(self) -> float:
+        """Of one emergency stop by the brake, J."""
+        return np.inf if not np.isnan(self.load.unbounded) else stop_energy(self.load, self.train)
+
+    @property
+    def brake_wear(self) -> float:
+        """Energy of all emergency stops, J."""
+        return self.brake_stop_energy * self.train.emergency_stops
+
+    @property
+    def emergency_stops(self) -> float:
+        """How many momentary peaks are to be borne."""
+        return self.train.emergency_stops
+
+    @property
+    def allowed_emergency_stops(self) -> float:
+        """How many the gearbox bears, each at the motor's highest speed."""
+        return allowed_rare_peaks(
+            self.train.gearbox, input_speed=self.peak_speed.size, duration=self.train.emergency_duration
+        )
+
+    @property
+    def expected_lives(self) -> tuple[float, float]:
+        """L10 and L50 of the gearbox, h; NaN where the basis of its rated life is not known."""
+        return lives(self.train.gearbox, self.expected_life_hours)
+
+    @property
+    def assured_life_hours(self) -> float:
+        """What a required life is held against, h: L10 where it is known, else the life in the sheet's own measure."""
+        first = self.expected_lives[0]
+        return self.expected_life_hours if np.isnan(first) else first
+
+    @cached_property
     def expected_life_hours(self) -> float:
         """Of the gearbox, at this cycle's average torque and mean input speed."""
         gearbox = self.train.gearbox
@@ -326,6 +428,7 @@ class Demands:
             rated_speed=gearbox.rated_speed,
             average_torque=average,
             average_speed=self.mean_speed,
+            exponent=self.gear_rule.exponent,
         )
 
     def _peak(self, f: Piecewise) -> Peak:
@@ -338,8 +441,8 @@ class Demands:
     def _one_sided(self, power: Piecewise | None, sign: float) -> Peak:
         if power is None:
             return _UNKNOWN
-        if not np.isnan(self.load.unbounded):
-            return Peak(np.inf, self.load.unbounded)
+        if self._unbounded:
+            return self._unbounded
         found = (power * sign).extrema()
         return Peak(max(float(found.max[0]), 0.0), float(found.t_max[0]))
 

@@ -37,9 +37,19 @@ class Regeneration:
     braked: float
 
 
-def electric_power(torque: Piecewise, speed: Piecewise, *, torque_constant: float, resistance: float) -> Piecewise:
-    """Power at the motor's terminals, ``torque speed + R (torque / k)^2``, W; iron losses are left out."""
-    return torque * speed + torque * torque * (resistance / torque_constant**2)
+def electric_power(power: Piecewise, current_squared: Piecewise, resistance: Piecewise) -> Piecewise:
+    """Power at the motor's terminals, ``torque speed + R i^2``, W; iron losses are left out.
+
+    Parameters
+    ----------
+    power : Piecewise
+        Mechanical, W.
+    current_squared : Piecewise
+        Of the equivalent direct-current motor, A^2.
+    resistance : Piecewise
+        Of its winding as warm as it is, ohm.
+    """
+    return power + current_squared * resistance
 
 
 def energies(power: Piecewise) -> Array:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from puma_septic.drives import Catalogue, Drivetrain, lacking_of_pairs, names_of
+from puma_septic.errors import InputError
 from puma_septic.limit_check import AT_LIMIT, LimitCheck
 from puma_septic.sizing._bounds import PairDemands, PeakBounds, expected_lives
 from puma_septic.sizing._candidates import Candidate, assessed
@@ -184,6 +185,7 @@ def select_joint(
     """Accept or reject every pair at one joint, and assess the best in full; see `size`."""
     asked = Conditions() if conditions is None else conditions
     own = None if places is None else tuple(places)
+    cases = [_behind_stage(case, None if own is None else own[joint]) for case in cases]
     # The hardest case first: what it rejects need not be tried in the others.
     ordered = tuple(sorted(cases, key=lambda case: -case.peak_torque))
     judge = _Judge(cases=ordered, parts=pair_parts(catalogue, joint, own), conditions=asked)
@@ -217,6 +219,16 @@ def select_joint(
         _reason=reason,
         _reason_names=(*judge.names, _UNBOUNDED, *judge.unmade_names),
     )
+
+
+def _behind_stage(case: JointCase, place: Drivetrain | None) -> JointCase:
+    """The case as the joint's gearbox sees it, which turns."""
+    if case.load.is_prismatic and (place is None or place.stage is None):
+        raise InputError(
+            f"joint {case.load.joint!r} slides, but the catalogue's gearboxes turn, in N m and turns per turn; give the"
+            " stage between them in drivetrains, stage=LinearStage(kind='screw', 'rack' or 'belt', ...)"
+        )
+    return case if place is None else case.through(place)
 
 
 @final

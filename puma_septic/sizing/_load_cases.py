@@ -16,7 +16,7 @@ from puma_septic.limit_check import LimitCheck
 from puma_septic.sizing._checks import NotAssessed, Outcome, assess_joint
 from puma_septic.sizing._demands import Demands
 from puma_septic.sizing._load_features import LoadGrid, load_grid
-from puma_septic.sizing._loads import JointLoad, joint_load, motor_load
+from puma_septic.sizing._loads import JointLoad, gearbox_load, joint_load, motor_load
 from puma_septic.validation import Array, checked_number
 
 __all__ = [
@@ -136,6 +136,11 @@ class JointCase:
         """What a rare case asks of the gearbox, N m (N); NaN of any other."""
         return np.nan if self.only is None else self.peak_torque
 
+    def through(self, train: Drivetrain) -> JointCase:
+        """The same as the gearbox of a drive train sees it: behind a sliding joint's stage."""
+        load = gearbox_load(self.load, train)
+        return self if load is self.load else replace(self, load=load)
+
     def demands(self, train: Drivetrain) -> Demands:
         """What the case asks of a drive train."""
         if self.only is not None:
@@ -242,5 +247,5 @@ def life_of_mix(cases: tuple[JointCase, ...], every: tuple[Demands, ...]) -> flo
     -------
     float
     """
-    lives = np.array([demands.expected_life_hours for demands in every])
+    lives = np.array([demands.assured_life_hours for demands in every])
     return float(shared_life(lives, np.array([case.share for case in cases])))

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import final
+from dataclasses import dataclass, field, replace
+from typing import Final, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from puma_septic.cycle import Cycle
 from puma_septic.drives import Drivetrain
+from puma_septic.errors import InputError
 from puma_septic.friction import ROUNDING, resolved
 from puma_septic.piecewise import Piecewise
+from puma_septic.sizing._gear_losses import gear_loss
 from puma_septic.validation import Array
 
-__all__ = ["JointLoad", "MotorLoad", "joint_load", "motor_load"]
+__all__ = ["JointLoad", "MotorLoad", "gearbox_load", "joint_load", "motor_load"]
 
 
 @final
@@ -46,6 +48,10 @@ class JointLoad:
         When the torque is first unbounded because a velocity steps, s; NaN: never.
     why_not_periodic : str
         Empty for a cycle that returns to its start.
+    cycle : Cycle or None
+        That it is a part of, and its number there: what the whole arm does to the joint.
+    slide : JointLoad or None
+        Of the gearbox behind a stage: the load of the sliding joint itself.
     """
 
     joint: str
@@ -60,6 +66,9 @@ class JointLoad:
     inertia: Piecewise
     unbounded: float
     why_not_periodic: str
+    cycle: Cycle | None = field(default=None, repr=False)
+    number: int = 0
+    slide: JointLoad | None = field(default=None, repr=False)
 
     @property
     def duration(self) -> float:
@@ -157,7 +166,66 @@ def joint_load(cycle: Cycle, j: int) -> JointLoad:
         inertia=cycle.inertia[j],
         unbounded=float(cycle.unbounded[j]),
         why_not_periodic=cycle.why_not_periodic,
+        cycle=cycle,
+        number=j,
     )
+
+
+def gearbox_load(load: JointLoad, train: Drivetrain) -> JointLoad:
+    """The load that a drive train's gearbox turns: that of the joint, or of the stage of a sliding joint.
+
+    With the stage's reduction k, ``torque = transmission F / k + sign(v) friction / k + inertia k a`` at ``k v``.
+
+    Returns
+    -------
+    JointLoad
+
+    Raises
+    ------
+    InputError
+        For a gearbox with ratings in N m at a sliding joint without a stage, or a stage at a joint that turns.
+    """
+    stage = train.stage
+    if stage is None:
+        _refuse_ratings(load, train)
+        return load
+    if not load.is_prismatic:
+        raise InputError(f"joint {load.joint!r} turns: it takes no {stage.kind}, which is for a sliding joint")
+    k = stage.reduction
+    passed = load.torque.by_interval(stage.transmission[load.power_sign.astype(int) + 1] / k)
+    acceleration = load.acceleration * k
+    friction = load.torque.stepwise((load.velocity_sign * float(np.nan_to_num(stage.friction_force)) / k)[:, None])
+    inertia = float(np.nan_to_num(stage.inertia))
+    torque = (passed + acceleration * inertia + friction).split_at_roots()
+    interval = np.searchsorted(load.torque.breaks[1:-1], torque.middles)
+    direction = load.velocity_sign[interval]
+    own = load.inertia * (1 / k**2)
+    return replace(
+        load,
+        is_prismatic=False,
+        torque=torque,
+        velocity=(load.velocity * k).aligned_with(torque),
+        acceleration=acceleration.aligned_with(torque),
+        velocity_sign=direction,
+        power_sign=direction * torque.signs()[:, 0],
+        braked=load.braked[interval],
+        gravity=load.gravity * (1 / k),
+        inertia=own + own.stepwise(np.full((len(own.lengths), 1), inertia)),
+        slide=load,
+    )
+
+
+_RATINGS: Final = ("rated_torque", "max_average_torque", "max_repeated_torque", "max_momentary_torque")
+
+
+def _refuse_ratings(load: JointLoad, train: Drivetrain) -> None:
+    """A force in N held against a rating in N m once gave "203.8 N is 83.89 % of 243 N", and "strong enough"."""
+    known = [name for name in _RATINGS if not np.isnan(getattr(train.gearbox, name))]
+    if load.is_prismatic and known:
+        raise InputError(
+            f"joint {load.joint!r} slides, but its gearbox turns: {known[0]} = {getattr(train.gearbox, known[0]):g} N m"
+            " is no limit of a force; give the stage between them, LinearStage(kind='screw', 'rack' or 'belt', ...)"
+        )
 
 
 def motor_load(load: JointLoad, train: Drivetrain) -> MotorLoad:
@@ -165,8 +233,11 @@ def motor_load(load: JointLoad, train: Drivetrain) -> MotorLoad:
     n = train.ratio
     passed = train.transmission[load.power_sign.astype(int) + 1] / n
     speed = load.velocity * n
+    through = load.torque.by_interval(passed * ~load.braked)
+    if len(train.gearbox.efficiency_map):
+        through = through + gear_loss(train.gearbox, load.torque, speed, load.velocity_sign)
     parts = {
-        "load": load.torque.by_interval(passed * ~load.braked),
+        "load": through,
         "rotor": load.acceleration * (train.inertia * n),
         "friction": train.friction.along(speed, load.velocity_sign),
     }

@@ -45,7 +45,8 @@ class PairParts:
     @cached_property
     def motor_terms(self) -> Array:
         """Inertia, viscous and Coulomb friction of each motor alone, shape (n_motors, 3)."""
-        return _terms([Drivetrain(motor=motor, gearbox=_BARE) for motor in self.catalogue.motors])
+        brake = self.place.with_brake
+        return _terms([Drivetrain(motor=motor, gearbox=_BARE, with_brake=brake) for motor in self.catalogue.motors])
 
     @cached_property
     def gearbox_terms(self) -> Array:
@@ -66,7 +67,9 @@ class PairParts:
         """Coefficients of the pairs whose friction was measured through the gears, by number."""
         pairs = enumerate(self.catalogue.pairs or ())
         return {
-            k: _measured(self.catalogue.drivetrain(k, self.joint)) for k, pair in pairs if pair.friction is not None
+            k: _measured(self.catalogue.drivetrain(k, self.joint, self.places))
+            for k, pair in pairs
+            if pair.friction is not None
         }
 
     @cached_property
@@ -74,6 +77,17 @@ class PairParts:
         """Numbers of the pairs whose torque is no sum of the features."""
         pairs = enumerate(self.catalogue.pairs or ())
         return frozenset(k for k, pair in pairs if pair.friction is not None and not pair.friction.is_linear)
+
+    @cached_property
+    def is_mapped(self) -> NDArray[np.bool_]:
+        """Whether each gearbox has a map of its efficiency, whose losses are no factor of the load."""
+        return np.array([len(gearbox.efficiency_map) > 0 for gearbox in self.catalogue.gearboxes])
+
+    @cached_property
+    def continuous_share(self) -> Array:
+        """Share of each motor's continuous torque that ambient and altitude leave, see `Motor.continuous_share`."""
+        place = {"ambient_celsius": self.place.ambient_celsius, "altitude": self.place.altitude}
+        return np.array([motor.continuous_share(**place) for motor in self.catalogue.motors])
 
     @cached_property
     def max_effort(self) -> Array | None:
@@ -99,11 +113,11 @@ class PairParts:
         coefficients = np.column_stack(
             [sums[:, 0] * ratio, self.passed[gears] / ratio[:, None], sums[:, 1] * ratio, sums[:, 2], sums[:, 2]]
         )
-        is_linear = np.ones(len(rows), dtype=bool)
+        is_linear = ~self.is_mapped[gears]
         if self.measured:
             for k, row in enumerate(rows.tolist()):
                 coefficients[k] = self.measured.get(row, coefficients[k])
-                is_linear[k] = row not in self.stribeck
+                is_linear[k] &= row not in self.stribeck
         return PairTable(parts=self, rows=rows, ratio=ratio, coefficients=coefficients, is_linear=is_linear)
 
 
@@ -121,7 +135,7 @@ class PairTable:
     coefficients : ndarray, shape (n, 7)
         Of the features of a load (see `LoadGrid`), at the motor.
     is_linear : ndarray of bool, shape (n,)
-        Whether the motor's torque is the sum of the features: not with Stribeck friction.
+        Whether the motor's torque is the sum of the features: not with Stribeck friction or a map of efficiency.
     """
 
     parts: PairParts
@@ -163,9 +177,34 @@ class PairTable:
         """A value of each pair's gearbox."""
         return np.asarray(self.parts.column("gearbox", name)[self.gearbox_index])
 
+    def stage(self, name: str) -> Array:
+        """A value of the joint's stage, the same for all pairs; NaN without one."""
+        return np.full(len(self.ratio), np.nan if self.place.stage is None else getattr(self.place.stage, name))
+
+    @property
+    def stage_reduction(self) -> float:
+        """Turn of the gearbox's output per travel of the joint; 1 without a stage."""
+        return 1.0 if self.place.stage is None else self.place.stage.reduction
+
     def drive(self, name: str) -> Array:
         """A value of what feeds each pair."""
         return np.asarray(self.parts.column("drive", name)[self.catalogue.motor_index[self.rows]])
+
+    def bus_voltage(self, rows: NDArray[np.int64]) -> float:
+        """Of what feeds the motor of these pairs, V."""
+        return float(self.drive("bus_voltage")[rows[0]]) if len(rows) else np.nan
+
+    @property
+    def weakens_field(self) -> NDArray[np.bool_]:
+        """Whether the drive of each pair may weaken the motor's field."""
+        return np.nan_to_num(self.motor("max_field_current")) * self.motor("reactance_constant") > 0
+
+    @property
+    def continuous_share(self) -> Array:
+        """Share of each pair's continuous torque that is left, see `Drivetrain.continuous_share`."""
+        shares = self.parts.continuous_share[self.catalogue.motor_index[self.rows]]
+        geared = self.motor("geared_share")
+        return shares * np.where((self.ratio != 1) & ~np.isnan(geared), geared, 1.0)
 
     @property
     def max_effort(self) -> Array:

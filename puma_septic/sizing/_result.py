@@ -381,7 +381,7 @@ def sized(
     cycle, asked = cases[0].cycle, Conditions() if conditions is None else conditions
     given = own_drivetrains(cycle.robot) if drivetrains is None else checked_drivetrains(cycle, drivetrains)
     trains = asked.places(cycle.joint_names, checked_ratios(cycle, given))
-    own = tuple(joint_cases(cases, j) for j in range(len(trains)))
+    own = tuple(tuple(case.through(train) for case in joint_cases(cases, j)) for j, train in enumerate(trains))
     return Sizing(
         load_cases=cases,
         drivetrains=trains,

@@ -10,20 +10,11 @@ from puma_septic.piecewise import Piecewise
 from puma_septic.sizing._loads import MotorLoad
 from puma_septic.validation import Array
 
-__all__ = ["largest_ratio", "torque_at_speed", "voltage"]
+__all__ = ["largest_ratio", "torque_at_speed"]
 
 # The iteration converges superlinearly; far fewer steps are ever needed.
 _MOST_STEPS: Final = 60
 _CONVERGED: Final = 1e-14
-
-
-def voltage(motor: MotorLoad, torque_constant: float, resistance: float) -> Piecewise:
-    """Voltage at the terminals of the equivalent direct-current motor, V: ``R torque / k + k speed``.
-
-    Holding it below the supply's is the torque-speed line ``torque <= k (V - k speed) / R`` where the motor drives,
-    and its wider counterpart where it brakes. The inductance is left out.
-    """
-    return motor.torque * (resistance / torque_constant) + motor.speed * torque_constant
 
 
 def torque_at_speed(motor: MotorLoad, curve: Array) -> tuple[float, float, float, float]:

@@ -103,14 +103,9 @@ def _refined(sample: Sampler, intervals: Intervals, values: Array, degree: int) 
     return finer
 
 
-def _tail(series: Array) -> Array:
-    """Largest coefficient of the last eighth, of each interval and component, shape (n, m)."""
-    return np.asarray(np.abs(series[-max(2, len(series) // 8) :]).max(axis=0))
-
-
 def _converged(series: Array, scale: Array, tolerance: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Whether each tail has fallen below the tolerance, and whether it stays at the rounding, of shape (n, m)."""
-    tail = _tail(series)
+    tail = matrices.tail(series)
     noise = tail <= _ROUNDING * scale.max()
     if len(series) <= _DEGREES[-1]:
         # Only what has stopped to fall is noise; a small component may have digits below the others' rounding.
@@ -123,7 +118,7 @@ def _bisected(intervals: Intervals, breaks: Array, series: Array, scale: Array, 
     parts = (intervals.right - intervals.left) / 2
     if (small := parts.min()) < _SMALLEST or n_samples > _MOST_SAMPLES:
         k = int(np.argmin(parts))
-        component = int(np.argmax(_tail(series)[k] / np.maximum(scale, np.finfo(np.float64).tiny)))
+        component = int(np.argmax(matrices.tail(series)[k] / np.maximum(scale, np.finfo(np.float64).tiny)))
         left, right = breaks[intervals.piece[k]], breaks[intervals.piece[k] + 1]
         first, last = (((1 - x) * left + (1 + x) * right) / 2 for x in (intervals.left[k], intervals.right[k]))
         raise PumaSepticError(

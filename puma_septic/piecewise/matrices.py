@@ -30,6 +30,7 @@ __all__ = [
     "nodes",
     "signs",
     "state_matrix",
+    "tail",
     "to_bernstein_matrix",
     "to_power_matrix",
     "values_matrix",
@@ -127,6 +128,22 @@ def gram_matrix(degree: int) -> Array:
 def signs(degree: int) -> Array:
     """``T_k(-1) = (-1)^k``, shape (degree + 1,)."""
     return _shared(np.resize([1.0, -1.0], degree + 1))
+
+
+def tail(series: Array) -> Array:
+    """Largest coefficient of the last eighth of a series, at least of the last two, by component.
+
+    Where it has fallen far enough the series is resolved: the one measure by which series are cut off.
+
+    Parameters
+    ----------
+    series : ndarray, shape (degree + 1, ...)
+
+    Returns
+    -------
+    ndarray, shape (...)
+    """
+    return np.asarray(np.abs(series[-max(2, len(series) // 8) :]).max(axis=0))
 
 
 @lru_cache(maxsize=256)

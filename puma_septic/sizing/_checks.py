@@ -109,9 +109,10 @@ class DriveLimit:
             return None
         if self.why and (reason := getattr(demands, self.why)):
             return NotAssessed(joint=joint, quantity=self.quantity, reason=reason)
-        demand, limit = getattr(demands, self.demand), _value(demands, self.limit)
+        limit = _value(demands, self.limit)
+        demand = Peak(np.nan, np.nan) if np.isnan(limit) else getattr(demands, self.demand)
         peak = demand if isinstance(demand, Peak) else Peak(demand, np.nan)
-        if np.isnan(limit) or np.isnan(peak.size):
+        if np.isnan(peak.size):
             return NotAssessed(joint=joint, quantity=self.quantity, reason=f"needs {self.needs}")
         unit = self._unit(demands)
         return LimitCheck.of_magnitude(

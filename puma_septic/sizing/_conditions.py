@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from puma_septic.document import plain
-from puma_septic.drives import Drivetrain, Gearbox, Motor
+from puma_septic.drives import Drivetrain, Gearbox, Motor, Supply
 from puma_septic.errors import InputError
 from puma_septic.limit_check import AT_LIMIT, LimitCheck
 from puma_septic.sizing._checks import DRIVE_LIMITS
@@ -20,7 +20,11 @@ __all__ = ["Conditions"]
 
 _ALL: Final = "all"
 # Values of each joint, by where a drive train has them.
-_OF_PLACE: Final = {"momentary_torque": "N m", "required_life_hours": "h", "max_inertia_ratio": ""}
+_OF_PLACE: Final = {
+    "altitude": "m", "momentary_torque": "N m", "emergency_stops": "", "emergency_duration": "s",
+    "required_life_hours": "h", "max_inertia_ratio": "",
+}  # fmt: skip
+_NO_NUMBERS: Final = ("margins", "supply")
 _OF_DRIVE: Final = {
     "bus_voltage": "V", "continuous_current": "A", "peak_current": "A", "continuous_power": "W", "peak_power": "W",
     "peak_regenerated_power": "W", "brake_resistor_power": "W",
@@ -42,12 +46,18 @@ class Conditions:
         Of the drive, V and A (in the measure of the motors' torque constant).
     continuous_power, peak_power, peak_regenerated_power, brake_resistor_power : array_like
         Of the drive, W.
+    altitude : array_like
+        m above sea level.
     momentary_torque : array_like
         At the gearbox's output in a collision or emergency stop, N m (N).
+    emergency_stops, emergency_duration : array_like
+        How many of them there are in the life of gearboxes and brakes, and how long one lasts, s.
     required_life_hours : array_like
         Operating hours that the gearboxes are to last.
     max_inertia_ratio : array_like
         Largest accepted ratio of the load's inertia, gears included, to the rotor's.
+    supply : Supply, optional
+        That all drives share.
     margins : float or mapping of str to float
         What must be left of each limit, as a share of it: one for all, or by the kind of the check ("physics", "vendor
         procedure") or its quantity ("gearbox life"); the most particular one counts, "all" where none does.
@@ -72,20 +82,26 @@ class Conditions:
     peak_power: ArrayLike = np.nan
     peak_regenerated_power: ArrayLike = np.nan
     brake_resistor_power: ArrayLike = np.nan
+    altitude: ArrayLike = np.nan
     momentary_torque: ArrayLike = np.nan
+    emergency_stops: ArrayLike = np.nan
+    emergency_duration: ArrayLike = np.nan
     required_life_hours: ArrayLike = np.nan
     max_inertia_ratio: ArrayLike = np.nan
+    supply: Supply | None = None
     margins: Mapping[str, float] | float = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for one in fields(self):
-            if one.name != "margins":
+            if one.name not in _NO_NUMBERS:
                 value = getattr(self, one.name)
                 shape: tuple[int | None, ...] = () if np.ndim(value) == 0 else (None,)
                 array = checked_array(one.name, value, shape, unit=_unit(one.name), allow_nan=True)
                 if one.name != "ambient_celsius" and (array <= 0).any():
                     raise InputError(f"{one.name} = {array.min():g} {_unit(one.name)}: must be greater than 0")
                 object.__setattr__(self, one.name, array)
+        if self.supply is not None and not isinstance(self.supply, Supply):
+            raise InputError(f"supply: expected a Supply, got {type(self.supply).__name__}")
         object.__setattr__(self, "margins", _checked_margins(self.margins))
 
     def margin(self, kind: str, quantity: str) -> float:
@@ -127,7 +143,9 @@ class Conditions:
     def to_dict(self) -> dict[str, Any]:
         """What is asked for, JSON-ready; what is not is left out."""
         values = {one.name: getattr(self, one.name) for one in fields(self)}
-        return {name: plain(value) for name, value in values.items() if not _is_unasked(value)}
+        supply = {} if self.supply is None else {"supply": self.supply.name or "a shared bus"}
+        numbers = {name: plain(value) for name, value in values.items() if name != "supply" and not _is_unasked(value)}
+        return {**numbers, **supply}
 
 
 def _unit(name: str) -> str:

@@ -377,7 +377,8 @@ class Demands:
     @property
     def why_no_bearing(self) -> str:
         """Why nothing is known of the output bearing's load; empty where it is."""
-        return "" if self.bearing is not None else "the joint slides, or its arm is not known"
+        knows = self.load.cycle is not None and not self.load.is_prismatic and self.load.slide is None
+        return "" if knows else "the joint slides, or its arm is not known"
 
     @property
     def holding_torque(self) -> Peak:

@@ -18,7 +18,7 @@ from puma_septic.sizing._bounds import PairDemands, PeakBounds, expected_lives
 from puma_septic.sizing._candidates import Candidate, assessed
 from puma_septic.sizing._checks import DRIVE_LIMITS, utilisation_bounds
 from puma_septic.sizing._conditions import Conditions
-from puma_septic.sizing._load_cases import LIFE, JointCase, shared_life
+from puma_septic.sizing._load_cases import LIFE, JointCase, shared_life, with_brakes
 from puma_septic.sizing._load_features import LoadGrid, merged_peaks
 from puma_septic.sizing._pair_features import PairParts, PairTable, pair_parts
 from puma_septic.validation import Array, checked_choice
@@ -185,6 +185,8 @@ def select_joint(
     """Accept or reject every pair at one joint, and assess the best in full; see `size`."""
     asked = Conditions() if conditions is None else conditions
     own = None if places is None else tuple(places)
+    if own is not None:
+        own = (*own[:joint], with_brakes(own[joint], cases), *own[joint + 1 :])
     cases = [_behind_stage(case, None if own is None else own[joint]) for case in cases]
     # The hardest case first: what it rejects need not be tried in the others.
     ordered = tuple(sorted(cases, key=lambda case: -case.peak_torque))

@@ -29,6 +29,8 @@ __all__ = [
     "life_of_mix",
     "outcomes_of_cases",
     "shared_life",
+    "with_brakes",
+    "worst_outcome",
 ]
 
 LIFE: Final = "gearbox life"
@@ -136,6 +138,11 @@ class JointCase:
         """What a rare case asks of the gearbox, N m (N); NaN of any other."""
         return np.nan if self.only is None else self.peak_torque
 
+    @property
+    def is_braked(self) -> bool:
+        """Whether a holding brake is used, which the motor must then have."""
+        return bool(self.load.braked.any())
+
     def through(self, train: Drivetrain) -> JointCase:
         """The same as the gearbox of a drive train sees it: behind a sliding joint's stage."""
         load = gearbox_load(self.load, train)
@@ -201,6 +208,17 @@ def shared_life(lives: Array, shares: Array) -> Array:
         return np.asarray(1 / np.sum(used, axis=0))
 
 
+def with_brakes(train: Drivetrain, cases: Iterable[JointCase]) -> Drivetrain:
+    """The drive train with the motor's holding brake, where a case uses it.
+
+    Returns
+    -------
+    Drivetrain
+    """
+    uses = any(case.is_braked for case in cases)
+    return replace(train, with_brake=True) if uses and not train.with_brake else train
+
+
 def outcomes_of_cases(cases: tuple[JointCase, ...], every: tuple[Demands, ...]) -> tuple[Outcome, ...]:
     """All checks of one joint, each in the case that uses most of the limit; the gearbox's life in their mix."""
     if len(cases) == 1:
@@ -213,11 +231,16 @@ def outcomes_of_cases(cases: tuple[JointCase, ...], every: tuple[Demands, ...]) 
                 found.setdefault(outcome.quantity, []).append(named)
     if LIFE in found:
         found[LIFE] = [_mixed_life(cases, every, found[LIFE])]
-    return tuple(_worst(outcomes) for outcomes in found.values())
+    return tuple(worst_outcome(outcomes) for outcomes in found.values())
 
 
-def _worst(outcomes: list[Outcome]) -> Outcome:
-    """The made check of highest utilisation, else the first that was not."""
+def worst_outcome(outcomes: list[Outcome]) -> Outcome:
+    """The made check of highest utilisation, else the first that was not.
+
+    Returns
+    -------
+    LimitCheck or NotAssessed
+    """
     made = [outcome for outcome in outcomes if isinstance(outcome, LimitCheck)]
     # Of two that agree to nine digits the first, whatever rounding says.
     return max(made, key=lambda check: float(f"{check.utilisation:.9g}")) if made else outcomes[0]

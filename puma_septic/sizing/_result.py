@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise, starmap
 from typing import Any, final
@@ -18,11 +18,21 @@ from puma_septic.motion import Motion
 from puma_septic.robot import own_drivetrains
 from puma_septic.sizing._candidates import governing_check
 from puma_septic.sizing._checks import NotAssessed, Outcome
+from puma_septic.sizing._compliance import Compliance, compliance
 from puma_septic.sizing._conditions import Conditions
 from puma_septic.sizing._demands import Demands
 from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_drivetrains, checked_ratios
-from puma_septic.sizing._load_cases import JointCase, LoadCase, joint_cases, life_of_mix, outcomes_of_cases
+from puma_septic.sizing._load_cases import (
+    JointCase,
+    LoadCase,
+    joint_cases,
+    life_of_mix,
+    outcomes_of_cases,
+    with_brakes,
+    worst_outcome,
+)
 from puma_septic.sizing._positions import position_remarks
+from puma_septic.sizing._supply import SUPPLY, SupplyLoad, supply_load
 from puma_septic.validation import Array, checked_choice, checked_number
 from puma_septic.views import sizing as view
 from puma_septic.views.checks import verdict
@@ -139,9 +149,40 @@ class Sizing:
     def _joint_outcomes(self) -> tuple[tuple[Outcome, ...], ...]:
         return tuple(starmap(outcomes_of_cases, zip(self._cases, self._demands, strict=True)))
 
+    @cached_property
+    def supply_loads(self) -> dict[str, SupplyLoad]:
+        """What the drives ask of the supply that they share, by load case; empty where no supply is given.
+
+        Of the load cases that concern all joints and are not rare.
+        """
+        supply = self.conditions.supply
+        if supply is None:
+            return {}
+        common = [case.name for case in self.load_cases if not case.joints and not case.is_rare]
+        of_joints = [
+            {case.name: demands for case, demands in zip(cases, every, strict=True)}
+            for cases, every in zip(self._cases, self._demands, strict=True)
+        ]
+        return {name: supply_load([demands[name] for demands in of_joints], supply) for name in common}
+
+    @cached_property
+    def compliance(self) -> Compliance:
+        """How elastic the gears leave the arm, in the first load case."""
+        return compliance(self.cycle, [every[0] for every in self._demands])
+
+    @cached_property
+    def _supply_outcomes(self) -> tuple[Outcome, ...]:
+        found: dict[str, list[Outcome]] = {}
+        for name, load in self.supply_loads.items():
+            for outcome in load.outcomes:
+                named = replace(outcome, case=name) if isinstance(outcome, LimitCheck) else outcome
+                found.setdefault(outcome.quantity, []).append(named)
+        return tuple(worst_outcome(outcomes) for outcomes in found.values())
+
     @property
     def _outcomes(self) -> tuple[Outcome, ...]:
-        return tuple(outcome for outcomes in self._joint_outcomes for outcome in outcomes)
+        of_joints = tuple(outcome for outcomes in self._joint_outcomes for outcome in outcomes)
+        return (*of_joints, *self._supply_outcomes)
 
     @property
     def checks(self) -> tuple[LimitCheck, ...]:
@@ -289,6 +330,8 @@ class Sizing:
             "conditions": self.conditions.to_dict(),
             "load_cases": [case_document(case) for case in self.load_cases if case.name],
             "joints": [self._joint_document(j) for j in range(len(self.drivetrains))],
+            "supply": self._supply_document(),
+            "compliance": self._compliance_document(),
             "violations": [check.to_dict() for check in self.violations],
             "warnings": [check.to_dict() for check in self.warnings],
             "governing": None if self.governing is None else self.governing.to_dict(),
@@ -311,6 +354,19 @@ class Sizing:
             "rms_by_cause": plain(demands.rms_by_cause),
             "checks": [check.to_dict() for check in self.joint_checks(demands.load.joint)],
         }
+
+    def _supply_document(self) -> dict[str, Any] | None:
+        """Of the load case with the largest peak; the checks are the worst of all."""
+        if not self.supply_loads:
+            return None
+        name, load = max(self.supply_loads.items(), key=lambda item: np.nan_to_num(item[1].peak_drawn_power.size))
+        checks = [check.to_dict() for check in self.checks if check.joint == SUPPLY]
+        return {**load.to_dict(), **({"case": name} if name else {}), "checks": checks}
+
+    def _compliance_document(self) -> dict[str, Any] | None:
+        found = self.compliance
+        known = len(found.unknown_stiffness) < len(found.joints) or len(found.unknown_backlash) < len(found.joints)
+        return found.to_dict() if known else None
 
     def __str__(self) -> str:
         return view.text(self.to_dict())
@@ -344,6 +400,11 @@ def _numbers(d: Demands) -> dict[str, float]:
         "inertia_ratio": d.inertia_ratio.size,
         "peak_drawn_power": d.peak_drawn_power.size,
         "mean_drawn_power": d.mean_drawn_power,
+        "peak_voltage": d.peak_voltage.size,
+        "peak_tilting_moment": d.peak_tilting_moment.size,
+        "output_bearing_life_hours": d.bearing_life_hours,
+        "gearbox_life_l10_hours": d.expected_lives[0],
+        "gearbox_life_l50_hours": d.expected_lives[1],
     }
 
 
@@ -381,7 +442,11 @@ def sized(
     cycle, asked = cases[0].cycle, Conditions() if conditions is None else conditions
     given = own_drivetrains(cycle.robot) if drivetrains is None else checked_drivetrains(cycle, drivetrains)
     trains = asked.places(cycle.joint_names, checked_ratios(cycle, given))
-    own = tuple(tuple(case.through(train) for case in joint_cases(cases, j)) for j, train in enumerate(trains))
+    at_joints = tuple(joint_cases(cases, j) for j in range(len(trains)))
+    trains = tuple(with_brakes(train, own) for train, own in zip(trains, at_joints, strict=True))
+    own = tuple(
+        tuple(case.through(train) for case in of_joint) for of_joint, train in zip(at_joints, trains, strict=True)
+    )
     return Sizing(
         load_cases=cases,
         drivetrains=trains,

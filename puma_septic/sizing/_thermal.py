@@ -77,8 +77,8 @@ def steady_cycle(matrix: Piecewise, source: Piecewise) -> Piecewise:
     """The solution of ``theta' = matrix theta + source`` that repeats itself.
 
     The temperature runs away where the mean matrix already lets it: as heat only flows outwards and back, the growth is
-    a convex function of the diagonal (Cohen, "Convexity of the dominant eigenvalue of an essentially nonnegative
-    matrix", 1981), so that a loss that varies grows at least as fast as its mean.
+    a convex function of the diagonal (a theorem of J. Cohen; Nussbaum, "Convexity and log convexity for the spectral
+    radius", section 1, proves it), so that a loss that varies grows at least as fast as its mean.
 
     Raises
     ------
@@ -170,7 +170,7 @@ def _solved(given: Array, a: float, b: float, half: float, floor: Array) -> Arra
             series = _collocated(given, a, b, half, degree)
         except np.linalg.LinAlgError:  # singular to rounding, as any change of the state would do
             return None
-        tail = np.abs(series[-max(2, degree // 8) :]).max(axis=(0, 1))
+        tail = matrices.tail(series).max(axis=0)
         largest = np.abs(series).max(axis=(0, 1))
         if np.isfinite(largest).all() and (tail <= _TOLERANCE * np.maximum(largest, floor)).all():
             return series

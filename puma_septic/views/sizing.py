@@ -56,8 +56,14 @@ def checks_csv(document: Document) -> str:
     """One row for each joint and check, the most used limit of a joint first, in SI units."""
     headers = ["joint", "check", "demand", "limit", "unit", "time [s]", "utilisation", "margin", "kind", "source"]
     keys = ["joint", "quantity", "demand", "limit", "unit", "time", "utilisation", "margin", "kind", "source"]
-    checks = [check for joint in document["joints"] for check in joint["checks"]]
+    checks = _checks_of(document)
     return csv_text([headers, *([check[key] for key in keys] for check in checks)])
+
+
+def _checks_of(document: Document) -> list[Any]:
+    """Joint by joint, then those of the shared supply."""
+    of_supply = [] if document["supply"] is None else document["supply"]["checks"]
+    return [check for joint in document["joints"] for check in joint["checks"]] + of_supply
 
 
 def _head(document: Document) -> str:
@@ -74,9 +80,34 @@ def _tables(document: Document) -> list[tuple[Table, str]]:
     electric, checks = _electric_table(document), _check_table(document)
     if electric[1]:
         tables.append((electric, _ELECTRIC))
+    tables += [(table, note) for table, note in (_supply_table(document), _compliance_table(document)) if table[1]]
     if checks[1]:
         tables.append((checks, _CHECKS + _folded(document)))
     return tables
+
+
+def _supply_table(document: Document) -> tuple[Table, str]:
+    """Of the supply that all drives share, where there is one."""
+    supply = document["supply"]
+    headers = ["supply", "peak", "at [s]", "mean", "current", "drawn", "returned", "exchanged", "braked"]
+    keys = [
+        "peak_drawn_power", "peak_drawn_power_time", "mean_drawn_power", "peak_current", "energy_drawn",
+        "energy_returned", "energy_exchanged", "energy_braked",
+    ]  # fmt: skip
+    rows: list[list[Cell]] = [] if supply is None else [[supply["name"], *(numeric(supply[key]) for key in keys)]]
+    note = "All drives together: powers in W, current in A, energies in J per cycle; exchanged: from joint to joint"
+    return (headers, rows), note
+
+
+def _compliance_table(document: Document) -> tuple[Table, str]:
+    """Of gears whose stiffness or backlash is known."""
+    found = document["compliance"]
+    headers = ["arm", "wind-up [mm]", "backlash [mm]", "lowest frequency [Hz]"]
+    rows: list[list[Cell]] = []
+    if found is not None:
+        millimetres = (1e3 * numeric(found[key]) for key in ("tool_windup", "tool_backlash"))
+        rows = [[document["robot"], *millimetres, numeric(found["lowest_frequency"])]]
+    return (headers, rows), "Elastic gears, at the tool, at its largest; the frequency with the motors held"
 
 
 def _lists(document: Document) -> dict[str, list[str]]:
@@ -161,7 +192,7 @@ def _check_table(document: Document) -> Table:
 
 
 def _checks(document: Document) -> list[LimitCheck]:
-    return [check for joint in document["joints"] for check in read_checks(joint["checks"])]
+    return list(read_checks(_checks_of(document)))
 
 
 def _is_idle(check: LimitCheck) -> bool:

@@ -99,6 +99,15 @@ def test_accuracy_and_stiffness_that_are_asked_for() -> None:
     assert [joint["name"] for joint in document["joints"]] == list(cycle().joint_names)
 
 
+def test_a_sizing_tells_of_its_elastic_gears() -> None:
+    gearbox = ps.Gearbox(ratio=100.0, backlash=3e-4, **STIFF)  # type: ignore[arg-type]
+    sizing = ps.size(cycle(), drivetrains=[ps.Drivetrain(gearbox=gearbox)] * 6)
+    document = sizing.to_dict()["compliance"]
+    assert document["tool_windup"] == sizing.compliance.tool_windup.size == elastic().tool_windup.size
+    assert "wind-up [mm]" in str(sizing)
+    assert ps.size(cycle()).to_dict()["compliance"] is None
+
+
 def test_no_backlash_is_no_shift() -> None:
     assert elastic(backlash=0.0).tool_backlash.size == 0.0
 

@@ -128,6 +128,36 @@ def test_a_winding_that_runs_away_takes_the_supply_with_it() -> None:
     assert found.checks[0].is_violated
 
 
+def test_a_sizing_holds_the_supply_that_its_conditions_name() -> None:
+    """In checks, verdict, document and text; a joint's own drive is another matter."""
+    cycle, trains = sizing().cycle, sizing().drivetrains
+    supply = ps.Supply(name="PSU-60", bus_voltage=48.0, peak_power=60.0)
+    small = ps.size(cycle, drivetrains=trains, conditions=ps.sizing.Conditions(supply=supply))
+    drawn = next(check for check in small.violations if check.joint == "supply")
+    assert drawn.quantity == "drawn power"
+    assert drawn.demand == shared().peak_drawn_power.size
+    assert not small.is_feasible
+    document = small.to_dict()
+    assert document["supply"]["peak_drawn_power"] == drawn.demand
+    assert document["conditions"]["supply"] == "PSU-60"
+    assert "PSU-60" in str(small)
+    assert "supply" in small._repr_html_()
+    assert sizing().to_dict()["supply"] is None
+    with pytest.raises(ps.InputError, match="supply: expected a Supply, got dict"):
+        ps.sizing.Conditions(supply={"peak_power": 3.0})  # type: ignore[arg-type]
+
+
+def test_of_several_load_cases_the_worst_counts_for_the_supply() -> None:
+    light, heavy = (ps.cycle.with_return(paper_motion(loaded=loaded), dwell=1.0) for loaded in (False, True))
+    cases = [ps.sizing.LoadCase(name="light", cycle=light), ps.sizing.LoadCase(name="heavy", cycle=heavy)]
+    conditions = ps.sizing.Conditions(supply=ps.Supply(peak_power=1e3))
+    found = ps.size(cases, drivetrains=sizing().drivetrains, conditions=conditions)
+    check = next(check for check in found.checks if check.joint == "supply")
+    assert check.case == "heavy"
+    assert check.demand == pytest.approx(shared().peak_drawn_power.size, rel=1e-9)
+    assert found.to_dict()["supply"]["case"] == "heavy"
+
+
 # ---- the holding brake
 
 
@@ -178,6 +208,8 @@ def test_checks_of_the_brake_and_of_the_motor_at_standstill() -> None:
     rest = demands.load.torque(paper_motion().trajectory.duration + 0.5)[0]
     assert standing.demand >= abs(rest) / 80 * (1 - 1e-12)
     assert standing.limit == 0.3
+    used = ps.size(braked_cycle(), drivetrains=[replace(train, with_brake=False)] * 6)
+    assert used.drivetrains[0].with_brake  # what holds at rest turns with the rotor
     bare = ps.size(sizing().cycle, drivetrains=[replace(train, with_brake=False)] * 6)
     assert not [check for check in bare.checks if "brake" in check.quantity and "resistor" not in check.quantity]
 

@@ -25,6 +25,7 @@ from puma_septic.drives._drive import Drive
 from puma_septic.drives._gearbox import Gearbox
 from puma_septic.drives._motor import Motor
 from puma_septic.drives._table_file import Row, raw_rows, read_table
+from puma_septic.drives._units import current_measure
 from puma_septic.errors import InputError
 from puma_septic.friction import Friction
 from puma_septic.validation import checked_choice
@@ -59,7 +60,7 @@ def load_catalogue(motors: str | Path, gearboxes: str | Path, pairs: str | Path 
         torque where none is given), I_nl (``k_t I_nl`` is the Coulomb friction where none is given),
         max_inertia_ratio, cost. V is the bus voltage where the joint has no drive. current, winding and voltage are the
         measures of k_t and currents, of R and L, and of voltage_constant, see `Motor`; without them those of a motor
-        with direct current. Any other number of `Motor` by its name.
+        with direct current. ``k_t[Nm/A_rms]`` tells the first by its unit. Any other number of `Motor` by its name.
         Rth1 with tau_w is a winding in one node; with Rth2 and tau_h as well, in two.
     gearboxes : str or Path
         Columns key, ratio, mass, inertia (at the input), efficiency and any of the others of the MGDB and these: T_N,
@@ -164,7 +165,7 @@ def _source(row: Row, path: Path) -> str:
 
 
 def _motor(row: Row, source: str) -> Motor:
-    values, fields = row.values, _fields(row, MOTOR_FIELDS) | _texts(row, MOTOR_TEXTS)
+    values, fields = row.values, _fields(row, MOTOR_FIELDS) | _texts(row, MOTOR_TEXTS) | _measured(row)
     k_t, current = values.get("k_t", np.nan), values.get("I_nom", np.nan)
     if "coulomb_friction" not in fields and "I_nl" in values:
         fields["coulomb_friction"] = k_t * values["I_nl"]
@@ -212,6 +213,14 @@ def _fields(row: Row, names: Mapping[str, str]) -> dict[str, Any]:
 def _texts(row: Row, names: tuple[str, ...]) -> dict[str, str]:
     """The texts by field that are not empty."""
     return {name: row.texts[name] for name in names if row.texts[name]}
+
+
+def _measured(row: Row) -> dict[str, str]:
+    """The measure of a motor's currents, where the unit of k_t has it."""
+    measure, told = current_measure(row.units.get("k_t", "")), row.texts["current"]
+    if measure and told and told != measure:
+        raise InputError(f"{row.where}, column 'current': {told!r}, but k_t is in {row.units['k_t']!r}")
+    return {"current": measure} if measure else {}
 
 
 def _made(kind: Any, needed: dict[str, Any], fields: dict[str, Any], row: Row, names: Mapping[str, str]) -> Any:

@@ -32,12 +32,16 @@ _AMBIGUOUS: Final = re.compile(r"^[+-]?\d{1,3}[.]\d{3}$")
 
 
 class Row(NamedTuple):
-    """A row's texts, its known values in SI units by column, what stands in unknown columns, and where it is."""
+    """A row's texts, its known values in SI units by column, what stands in unknown columns, and where it is.
+
+    `units` are the printed ones of the header.
+    """
 
     texts: dict[str, str]
     values: dict[str, Any]
     other: dict[str, str]
     where: str
+    units: dict[str, str]
 
 
 class _Header(NamedTuple):
@@ -171,7 +175,8 @@ def _row(where: str, cells: list[str], header: list[_Header], columns: Mapping[s
             except ValueError as error:
                 told = f": {error}" if error.args else ""
                 raise InputError(f"{where}, column {one.name!r}: {text!r} is not {_expected(target)}{told}") from error
-    return Row(texts, values, other, where)
+    units = {one.name: one.unit for one in header if one.unit is not None}
+    return Row(texts, values, other, where, units)
 
 
 def _expected(target: str) -> str:

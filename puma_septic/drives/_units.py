@@ -7,7 +7,7 @@ from functools import cache
 from math import isclose, pi
 from typing import Final
 
-__all__ = ["si_size"]
+__all__ = ["current_measure", "si_size"]
 
 # Exponents of kg, m, s, A, K.
 Dimension = tuple[int, int, int, int, int]
@@ -42,8 +42,23 @@ _PLAIN: Final = {
 }  # fmt: skip
 # In which measure a current or voltage is printed: not part of the unit, see the columns current and voltage.
 _MEASURE: Final = re.compile(r"[ _]?\(?(?<![a-zA-Z])?(?:rms|RMS|eff|pk|peak|DC|dc|AC|ac)\)?(?=$|[ /*.)\]])")
+_AMPERES: Final = re.compile(r"A[ _]?\(?(rms|RMS|eff|pk|peak)\)?$")
 _FACTOR: Final = re.compile(r"^(?:[x×*]\s*)?(10\^-?\d+|1?e-?\d+|\d+(?:\.\d+)?(?:e-?\d+)?)(?![\d/])[ *·]*")
 _DIGIT: Final = re.compile(r"(?<=[A-Za-z])(-?\d)")
+
+
+def current_measure(text: str) -> str:
+    """In which measure the amperes of a printed unit are: "rms", "peak", or "" where it does not say.
+
+    Examples
+    --------
+    >>> current_measure("Nm/A_rms"), current_measure("N m/Apk"), current_measure("mNm/A")
+    ('rms', 'peak', '')
+    """
+    found = _AMPERES.search(text)
+    if found is None:
+        return ""
+    return "peak" if found[1].lower() in ("pk", "peak") else "rms"
 
 
 @cache

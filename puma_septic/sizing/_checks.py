@@ -137,9 +137,10 @@ class DriveLimit:
         -------
         Bounds
         """
-        limit = _values(demands, self.limit)
-        if self.asked and not self.asked.startswith("train."):
-            limit = np.where(np.isnan(_values(demands, self.asked)), np.nan, limit)
+        asked = _values(demands, self.asked) if self.asked else np.zeros(len(demands.table.ratio))
+        if np.isnan(asked).all():
+            return asked, asked
+        limit = np.where(np.isnan(asked), np.nan, _values(demands, self.limit))
         if np.isnan(limit).all():
             return limit, limit
         if self.unless:
@@ -155,6 +156,8 @@ def _value(demands: Demands, name: str) -> float:
 
 def _values(demands: PairDemands, name: str) -> Array:
     part, _, field = name.rpartition(".")
+    if part == "train":
+        return np.full(len(demands.table.ratio), getattr(demands.table.place, field))
     return demands.limit(part, field) if part else np.asarray(getattr(demands, field))
 
 

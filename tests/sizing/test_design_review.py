@@ -289,3 +289,51 @@ def test_a_torque_that_steps_has_both_values() -> None:
     (twice,) = np.flatnonzero(np.diff(profile.time) == 0)
     assert profile.time[twice] == pytest.approx(9.0)
     assert abs(profile.torque[twice + 1] - profile.torque[twice]) > 1.0
+
+
+def test_a_cycle_that_advances_by_a_turn_repeats(tmp_path: Path) -> None:
+    """One way, over and over: an index table. It has a steady winding temperature."""
+    arm = pendulum(tmp_path, kind="continuous", gravity=(0.0, 0.0, 0.0))
+    turn = ps.quintic_segments([[0.0], [2 * np.pi]], [0.0, 1.0], joint_names=arm.joint_names)
+    heat = {"max_winding_celsius": 120.0, "thermal_resistances": [1.0], "thermal_time_constants": [100.0]}
+    table = ps.Cycle(steps=(ps.compute_motion(arm, turn), ps.Dwell(duration=0.5)))
+    found = ps.size([LoadCase(name="index", cycle=table)], catalogue=catalogue(max_speed=2000.0, **heat)).joint("swing")
+    assert table.is_periodic
+    assert "winding temperature rise" in {check.quantity for check in found.best.checks}
+
+
+def test_an_unpowered_stop_asks_nothing_of_the_motor(tmp_path: Path) -> None:
+    """Category 0 is done by the brakes; the gearbox carries it either way, by its momentary limit alone."""
+    arm = pendulum(tmp_path, gravity=(0.0, 0.0, 0.0))
+    move = ps.quintic_segments([[0.0], [1.0]], [0.0, 1.0], joint_names=arm.joint_names)
+    usual = LoadCase(name="work", cycle=ps.cycle.with_return(ps.compute_motion(arm, move)))
+    quick = ps.quintic_segments([[0.0], [1.0]], [0.0, 0.05], joint_names=arm.joint_names)
+    stop = ps.Cycle(steps=(ps.compute_motion(arm, quick),))
+    peak = float(stop.load_torque.extrema().peak[0])
+    for powered, changes, reasons in (
+        (True, {}, {"motor torque (stop)": 1}),
+        (False, {}, {}),
+        (False, {"max_momentary_torque": 0.99 * peak}, {"gearbox momentary peak torque (stop)": 1}),
+        (False, {"max_momentary_torque": 1.01 * peak}, {}),
+    ):
+        cases = [usual, LoadCase(name="stop", cycle=stop, share=0.0, is_rare=True, is_powered=powered)]
+        pair = catalogue(
+            **{"max_momentary_torque": 1e4, "max_repeated_torque": 10.0, "max_average_torque": 10.0} | changes
+        )
+        assert ps.size(cases, catalogue=pair).joint("swing").rejections == reasons
+
+
+def test_load_cases_that_are_none_are_refused() -> None:
+    light, heavy = cases_of_masses(0.0, 1.0)
+    for cases, message in (
+        ([light, light], "load case '0 kg' occurs twice; each needs a name of its own"),
+        ([], "size takes a Cycle or a sequence of LoadCase, got list"),
+        ([LoadCase(name="a", cycle=light.cycle, share=0.0)], "no load case has a share of the operating time"),
+        ([LoadCase(name="a", cycle=light.cycle, is_rare=True), heavy], "the first one must concern all joints"),
+    ):
+        with pytest.raises(ps.InputError, match=message):
+            ps.size(cases)
+    with pytest.raises(ps.InputError, match="load case 'a': unknown joint 'elbow'; valid: joint1"):
+        LoadCase(name="a", cycle=light.cycle, joints=("elbow",))
+    with pytest.raises(ps.InputError, match="bus_voltage: 2 values for 6 joints; give one for all or one for each"):
+        ps.size(light.cycle, catalogue=catalogue(), conditions=Conditions(bus_voltage=[24.0, 48.0]))

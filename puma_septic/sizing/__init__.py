@@ -11,6 +11,7 @@ from puma_septic.sizing._joint_selection import JointSelection
 from puma_septic.sizing._load_cases import LoadCase
 from puma_septic.sizing._loads import JointLoad, MotorLoad, gearbox_load, joint_load, motor_load
 from puma_septic.sizing._ratios import LoadMoments, RatioWindow, accelerating_factor, load_moments, ratio_window
+from puma_septic.sizing._reserves import Reserve, largest_payload, least_cycle_time
 from puma_septic.sizing._result import LoadProfile, MotorLoadProfile, Sizing
 from puma_septic.sizing._selection import Selection
 from puma_septic.sizing._size import size
@@ -34,6 +35,7 @@ __all__ = [
     "MotorLoadProfile",
     "Peak",
     "RatioWindow",
+    "Reserve",
     "Selection",
     "Sizing",
     "SupplyLoad",
@@ -48,6 +50,8 @@ __all__ = [
     "equivalent_load",
     "gearbox_load",
     "joint_load",
+    "largest_payload",
+    "least_cycle_time",
     "load_cases_of",
     "load_moments",
     "motor_load",

@@ -151,4 +151,4 @@ def test_the_readme_shows_what_the_command_prints(capsys: pytest.CaptureFixture[
 def test_no_page_has_a_block_that_nothing_looks_at() -> None:
     """A language that the tests do not know would be a block that is not run."""
     languages = {block.language for page in PAGES for block in blocks(page)}
-    assert languages <= {"python", "sh", "text", "yaml", "toml"}
+    assert languages <= {"python", "sh", "text", "yaml", "toml", "csv"}

@@ -46,9 +46,9 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--gap",
         type=not_negative,
-        default=0.02,
+        default=0.04,
         metavar="SHARE",
-        help="how close the bound has to come (default: 0.02)",
+        help="how close the bound has to come (default: 0.04)",
     )
     add_format(parser, "text", "json", "moveit")
 

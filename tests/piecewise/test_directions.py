@@ -162,6 +162,12 @@ def test_a_motion_that_starts_and_ends_moving_is_assessed_as_an_excerpt(puma: ps
     assert np.isfinite(part.peak_jerk).all()
     with pytest.raises(ps.InputError, match=r"dwell = 1 s: the motion ends moving \(rest_after=False\)"):
         ps.assess(puma, whole.excerpt, dwell=1.0)
+    # What stops where it ends may be followed by a rest, of which it says nothing; so it is in a cycle.
+    stops = ps.quintic_segments(points, [0, 1, 2, 3])
+    rested = ps.assess(puma, stops.excerpt, dwell=1.0)
+    np.testing.assert_allclose(rested.rms_torque, ps.assess(puma, stops, dwell=1.0).rms_torque, rtol=1e-14)
+    cycle = ps.Cycle(steps=(ps.compute_motion(puma, stops.excerpt), ps.Dwell(duration=1.0)))
+    np.testing.assert_allclose(rested.rms_torque, cycle.rms_torque, rtol=1e-12)
     with pytest.raises(ps.InputError, match="rest_before = 1: expected True or False"):
         ps.Trajectory(position=move.position, points=points, times=move.times, rest_before=1)  # type: ignore[arg-type]
 

@@ -15,6 +15,8 @@ from typing import Any, Final
 
 import numpy as np
 
+from puma_septic.kinematics import singularity_names
+from puma_septic.motion import Motion
 from puma_septic.validation import Array
 from puma_septic.viewer._colours import SPEED, UTILISATION, as_hex, profile_colour
 from puma_septic.viewer._flags import Flag
@@ -93,7 +95,6 @@ def _eye_direction(path: Array) -> Array:
 def _motion_data(one: Shown, k: int) -> dict[str, Any]:
     motion = one.assessment.motion
     robot, trajectory = motion.robot, motion.trajectory
-    payload = robot.payload
     return {
         "label": one.label,
         "robot": robot.name,
@@ -106,11 +107,24 @@ def _motion_data(one: Shown, k: int) -> dict[str, Any]:
         "times": _rounded(one.times),
         "used": [_rounded(column) if np.isfinite(column).all() else None for column in one.used.T],
         "speed": _rounded(one.speed),
+        "singular": [
+            {"kind": kind, "apart": _rounded(values)}
+            for kind, values in zip(singularity_names(robot), one.apart.T, strict=True)
+        ],
         "vias": [[float(time), *place] for time, place in zip(trajectory.marked[0], one.vias.tolist(), strict=True)],
         "flags": [_flag_data(flag) for flag in one.flags],
-        "payload": f"{payload.mass:g} kg" if payload is not None and payload.mass > 0 else "",
+        "payload": _carried(motion),
         "missing": list(robot.undrawn),
     }
+
+
+def _carried(motion: Motion) -> str:
+    """What the arm carries, of a cycle from the least to the most; empty for an empty hand."""
+    payloads = [part.robot.payload for part in motion.parts or (motion,)]
+    masses = [0.0 if payload is None else payload.mass for payload in payloads]
+    if max(masses) == 0:
+        return ""
+    return f"{min(masses):g} to {max(masses):g} kg" if min(masses) < max(masses) else f"{masses[0]:g} kg"
 
 
 def _flag_data(flag: Flag) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from meshcat.commands import SetAnimation, SetObject, SetProperty, SetTransform
 from meshcat.path import Path
 
 from puma_septic.assessment import Assessment
-from puma_septic.kinematics import forward_kinematics, tool_motion
+from puma_septic.kinematics import forward_kinematics, singularity_distances, tool_motion
 from puma_septic.robot import Payload, Robot
 from puma_septic.validation import Array
 from puma_septic.viewer._animation import add_colours, add_joints, joint_paths, key_times, utilisation
@@ -51,6 +51,8 @@ class Shown:
         The tool in the world, m.
     speed : ndarray, shape (n,)
         Of the tool, m/s.
+    apart : ndarray, shape (n, k)
+        Measures that are zero at singular postures, one for each kind that `singularity_names` tells.
     used : ndarray, shape (n, n_joints)
         Torque over its limit; NaN where that is not known.
     elbows : ndarray, shape (k, 3)
@@ -65,6 +67,7 @@ class Shown:
     times: Array
     path: Array
     speed: Array
+    apart: Array
     used: Array
     elbows: Array
     vias: Array
@@ -77,7 +80,8 @@ def shown(assessment: Assessment, label: str) -> Shown:
     motion = assessment.motion
     robot, trajectory = motion.robot, motion.trajectory
     times = key_times(motion)
-    tool = tool_motion(robot, *(trajectory(times, order) for order in range(3)))
+    q, v, a = (trajectory(times, order) for order in range(3))
+    tool = tool_motion(robot, q, v, a)
     flags = flags_of(assessment)
     at_flags = trajectory(np.array([flag.time for flag in flags]))
     return Shown(
@@ -86,6 +90,7 @@ def shown(assessment: Assessment, label: str) -> Shown:
         times=times,
         path=tool.position,
         speed=np.linalg.norm(tool.velocity, axis=1),
+        apart=singularity_distances(robot, q),
         used=utilisation(motion, times),
         elbows=_joint_places(robot, trajectory(times[:: max(1, len(times) // 50)])),
         vias=_places(robot, trajectory.marked[1]),

@@ -129,6 +129,8 @@
     }
     const first = data.motions[0];
     byId("tool-speed").textContent = at(first.times, first.speed, time).toFixed(2) + " m/s now";
+    byId("singular-now").textContent = "from singular: " + first.singular
+      .map(one => `${one.kind} ${Math.abs(at(first.times, one.apart, time)).toFixed(3)}`).join(", ");
     if (viewer) viewer.animator.seek(time - data.start);
     for (const listener of listeners) listener(time);
   }

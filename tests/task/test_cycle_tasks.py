@@ -12,11 +12,14 @@ from helpers.places import PANDA
 from helpers.urdf_texts import PLANAR
 
 import puma_septic as ps
+from puma_septic.kinematics import singularity_distances
 from puma_septic.pictures import assessment_pictures, utilisation_picture
 from puma_septic.task import load_task, make_task, parse_task, resolve_cycle, resolve_task
 from puma_septic.task._resolved_cycle import together
 from puma_septic.validation import Array
 from puma_septic.viewer._flags import flags_of
+from puma_septic.viewer._page import _motion_data
+from puma_septic.viewer._scene import shown
 
 TURNED = [90, 0, -30]
 JOB: dict[str, Any] = {
@@ -317,6 +320,16 @@ def test_charts_and_replay_show_the_tools_limit_and_the_distance_to_singular_pos
     assert flag.text.startswith("tool speed 0.4 m/s")
     # From 0 to 0.4 m/s at 2 m/s^2 the limit is passed after 0.125 s; the way back is the mirror image.
     np.testing.assert_allclose(flag.spans[0][0], 0.125, atol=1e-9)
+
+
+def test_the_replay_tells_what_is_carried_and_how_far_singular_postures_are() -> None:
+    """Zero of a measure is a singular posture; at rest at the start it is that of the inverse kinematics there."""
+    found = job({"to": "pick", "move": "line"}, {"grip": {"mass": 1.0}}, {"dwell": 0.2}, "back")
+    data = _motion_data(shown(found.assess().whole, "cycle"), 0)
+    assert data["payload"] == "0 to 1 kg"
+    assert [one["kind"] for one in data["singular"]] == ["shoulder", "elbow", "wrist"]
+    exact = singularity_distances(found.robot, found.trajectory(0.0)[None])[0]
+    np.testing.assert_allclose([one["apart"][0] for one in data["singular"]], exact, atol=1e-4)
 
 
 @pytest.mark.slow  # a page with a replay

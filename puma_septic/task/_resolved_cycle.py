@@ -208,6 +208,7 @@ class _Arm:
     def _joint(self, leg: Leg) -> Trajectory:
         move = leg.move
         points = np.stack([self.q, *(self._posture(place) for place in leg.places[1:])])
+        # A profile that finds its own time takes none; what it is given then does not count.
         durations = move.durations or (move.duration or 1.0,) * (len(points) - 1)
         choice = move.profile
         return profiles.make(

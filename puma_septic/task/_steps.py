@@ -41,6 +41,13 @@ _ONLY: Final = {
     "orientation": ("arc",),
     "durations": ("joint",),
 }
+# Where a key counts.
+_USES: Final = {
+    **dict.fromkeys(("speed", "acceleration", "jerk"), "they time lines and arcs without a duration, and approaches"),
+    "profile": "along lines and arcs it goes with a duration",
+    "tool_axis": "it is that of approach and retreat",
+    **dict.fromkeys(("duration", "durations"), "this profile finds its own time"),
+}
 _STEPS: Final = (
     "a step is a move with the key to, such as {move: line, to: place, speed: 0.25, acceleration: 1}, or grip, release,"
     " dwell or back"
@@ -138,19 +145,36 @@ class Move(MoveDefaults):
             )
         if self.duration is not None and self.move == "joint" and n > 1:
             raise fault(f"duration: {n} points need durations, one for each", key="duration")
+        if idle := self._idle:
+            raise fault(f"{', '.join(idle)}: of no effect here; {_USES[idle[0]]}", key=idle[0])
         return self
+
+    @property
+    def _by_speed(self) -> bool:
+        """Whether some of it is timed by the tool's speed."""
+        timed = self.move != "joint" and self.duration is not None
+        rounded = timed and self.move == "line" and self.zone is not None
+        return (self.move != "joint" and not timed) or (self.has_straights and not rounded)
+
+    @property
+    def _idle(self) -> list[str]:
+        """What is written but would change nothing."""
+        unused = {
+            **dict.fromkeys(("speed", "acceleration", "jerk"), not self._by_speed),
+            "profile": self.move != "joint" and self.duration is None,
+            "tool_axis": not self.has_straights,
+            "duration": self.move == "joint" and self._times_itself,
+            "durations": self._times_itself,
+        }
+        return [key for key, is_idle in unused.items() if is_idle and getattr(self, key) is not None]
 
     @property
     def untimed(self) -> str:
         """What is missing to time it, defaults included; empty where nothing is."""
-        by_speed = self.speed is not None and self.acceleration is not None
-        if (self.move != "joint" and self.duration is None) or self.has_straights:
-            rounded = self.move == "line" and self.zone is not None and self.duration is not None
-            if not by_speed and not rounded:
-                return _TIMED + ("" if self.has_straights else ", or the move a duration")
-        elif self.duration is None and self.durations is None and not self._times_itself:
-            return "a joint move needs duration, or durations for several points"
-        return ""
+        if self._by_speed and (self.speed is None or self.acceleration is None):
+            return _TIMED + ("" if self.has_straights else ", or the move a duration")
+        timed = self.duration is not None or self.durations is not None or self._times_itself
+        return "" if self.move != "joint" or timed else "a joint move needs duration, or durations for several points"
 
     @property
     def _times_itself(self) -> bool:

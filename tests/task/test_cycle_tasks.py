@@ -227,6 +227,7 @@ FAULTS = [
         r"cycle\[0\]\.to: unknown point 'pikc'; valid: home, pick, side, far; did you mean",
     ),
     ([{"to": "pick"}], r"cycle\[0\]: a joint move needs duration, or durations"),
+    ([{"to": "pick", "approach": 0.1}], r"cycle\[0\]: a joint move needs duration, or durations"),
     ([{"to": "pick", "duration": 1, "zone": 0.1}], r"cycle\[0\]: zone belongs to a move of kind line, not joint"),
     ([{"to": "pick", "move": "arc"}], r"cycle\[0\]: an arc needs via"),
     ([{"to": "pick", "move": "line", "zone": 0.1}], r"cycle\[0\]: zone: a line to one point has no corner"),

@@ -9,6 +9,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 
 import bench_assessment
+import bench_execution
 import bench_ik
 import bench_paths
 import bench_processes
@@ -17,7 +18,15 @@ import bench_sizing
 
 from puma_septic.views.tables import text_table
 
-for benchmark in (bench_assessment, bench_processes, bench_ik, bench_paths, bench_profiles, bench_sizing):
+for benchmark in (
+    bench_assessment,
+    bench_processes,
+    bench_ik,
+    bench_paths,
+    bench_profiles,
+    bench_sizing,
+    bench_execution,
+):
     headers, *rows = benchmark.run()
     print(text_table(headers, rows), flush=True)
     print()

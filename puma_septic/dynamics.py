@@ -25,6 +25,7 @@ from puma_septic.validation import Array
 __all__ = [
     "TERMS",
     "TorqueTerms",
+    "acceleration_function",
     "check_inertia",
     "check_plain_friction",
     "check_uncoupled",
@@ -250,6 +251,29 @@ def rigid_acceleration(robot: Robot, q: Array, v: Array, tau: Array) -> Array:
     arrays = (robot.configurations(q), robot.tangents(v), robot.tangents(tau), a)
     pin.abaInParallel(_THREADS, _pool(robot.model), *(array.T for array in arrays))
     return robot.from_tangents(a)
+
+
+def acceleration_function(robot: Robot) -> Callable[[Array, Array, Array], Array]:
+    """`rigid_acceleration` of one robot with as little as possible left to do at each call: a simulation makes many.
+
+    Returns
+    -------
+    callable
+        Of position, velocity and torque of shape (n, n_joints).
+    """
+    if robot.mimics or robot.wrench is not None or not robot.is_plain:
+        return functools.partial(rigid_acceleration, robot)
+    model, data, pool = robot.model, robot.model.createData(), _pool(robot.model)
+    one, many = pin.aba, pin.abaInParallel
+
+    def acceleration(q: Array, v: Array, tau: Array) -> Array:
+        if len(q) == 1:
+            return np.asarray(one(model, data, q[0], v[0], tau[0]))[None]
+        a = np.empty_like(q)
+        many(_THREADS, pool, q.T, v.T, tau.T, a.T)
+        return a
+
+    return acceleration
 
 
 def mass_matrix(robot: Robot, q: Array) -> Array:

@@ -82,6 +82,8 @@ class Robot:
         At the joint, N m s/rad; 0 where unknown.
     coulomb_friction : ndarray, shape (n_joints, 2)
         At the joint, N m, for positive and negative velocity; 0 where unknown.
+    is_plain : bool
+        Whether Pinocchio's vectors are this package's, so that nothing has to be put in order.
     is_continuous, is_prismatic : ndarray of bool, shape (n_joints,)
         Joints without position limits, and joints that slide (m and N instead of rad and N m).
     """
@@ -109,8 +111,7 @@ class Robot:
     coulomb_friction: Array = field(init=False)
     _index_q: NDArray[np.int64] = field(init=False, repr=False)
     _index_v: NDArray[np.int64] = field(init=False, repr=False)
-    # Whether Pinocchio's vectors are this package's: a simulation converts at every stage of its integrator.
-    _is_plain: bool = field(init=False, repr=False)
+    is_plain: bool = field(init=False, repr=False)
     is_continuous: NDArray[np.bool_] = field(init=False, repr=False)
     is_prismatic: NDArray[np.bool_] = field(init=False, repr=False)
 
@@ -132,7 +133,7 @@ class Robot:
             object.__setattr__(self, name, value)
         own = np.arange(self.n_joints)
         is_plain = self.bare_model.nq == self.n_joints and bool((self._index_q == own).all())
-        object.__setattr__(self, "_is_plain", is_plain)
+        object.__setattr__(self, "is_plain", is_plain)
         object.__setattr__(self, "model", self._loaded_model())
 
     def _check_consistent(self) -> None:
@@ -219,7 +220,7 @@ class Robot:
 
         A continuous joint takes two places there, the cosine and the sine of its angle.
         """
-        if self._is_plain:
+        if self.is_plain:
             return np.ascontiguousarray(q)
         result = np.empty((len(q), self.model.nq))
         result[:, self._index_q] = q
@@ -230,7 +231,7 @@ class Robot:
 
     def tangents(self, v: Array) -> Array:
         """Pinocchio's velocities (or accelerations), shape (n, nv), of joint values, shape (n, n_joints)."""
-        if self._is_plain:
+        if self.is_plain:
             return np.ascontiguousarray(v)
         result = np.empty((len(v), self.model.nv))
         result[:, self._index_v] = v
@@ -238,7 +239,7 @@ class Robot:
 
     def from_tangents(self, values: Array) -> Array:
         """Joint values, shape (n, n_joints), of Pinocchio's, shape (n, nv): the inverse of `tangents`."""
-        return values if self._is_plain else values[:, self._index_v]
+        return values if self.is_plain else values[:, self._index_v]
 
     def with_payload(self, payload: Payload | None) -> Robot:
         """The same arm carrying this payload instead (None: nothing)."""

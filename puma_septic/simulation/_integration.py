@@ -88,7 +88,13 @@ class Commander:
 
     def torque(self, want: Reference, planned: Array, q: Array, v: Array, integral: Array) -> Array:
         """Before saturation."""
-        return TORQUE[self.controller.law](self.model, self.gains, want, planned, q, v) + integral
+        feedback = TORQUE[self.controller.law](self.model, self.gains, want, planned, q, v)
+        return feedback + integral if self.integrates else feedback
+
+    @property
+    def integrates(self) -> bool:
+        """Whether its law has an integral."""
+        return self.controller.law == "pid"
 
 
 def run(
@@ -103,10 +109,12 @@ def run(
     begun = _continuous if commander.controller.is_continuous else _discrete
     advance = begun(plant, commander, trajectories, schedule, want)
     lost: dict[int, _Loss] = {}
-    is_free = commander.controller.law == "none"
+    # An arm that moves freely has no plan to leave.
+    is_free, slides = commander.controller.law == "none", plant.robot.is_prismatic
+    far = np.full(n, np.finfo(float).max) if is_free else np.where(slides, _LOST[True], _LOST[False])
     with np.errstate(over="ignore", invalid="ignore"):
         for k in range(total + 1):
-            _note_lost(state, want.q[k], plant, schedule, lost, k, is_free=is_free)
+            _note_lost(state, want.q[k], plant, schedule, lost, k, far)
             if len(lost) == n_rows:
                 break
             states[k] = state
@@ -133,15 +141,12 @@ class _Loss(NamedTuple):
 
 
 def _note_lost(
-    state: Array, want: Array, plant: Plant, schedule: Schedule, lost: dict[int, _Loss], k: int, *, is_free: bool
+    state: Array, want: Array, plant: Plant, schedule: Schedule, lost: dict[int, _Loss], k: int, far: Array
 ) -> None:
     """Note rows that diverge, and put them where they should be, so that the others go on."""
     robot = plant.robot
     error = state[plant.motor.start] - want
-    far = (
-        np.full(len(robot.joint_names), np.inf) if is_free else np.where(robot.is_prismatic, _LOST[True], _LOST[False])
-    )
-    is_sound = (np.abs(error) <= far) & np.isfinite(state).all(axis=0)
+    is_sound = np.abs(error) <= far  # no number is within anything
     if is_sound.all():
         return
     for row in np.flatnonzero(~is_sound.all(axis=1)).tolist():
@@ -167,6 +172,7 @@ def _discrete(
     periods = schedule.periods[:, None]
     step = periods / schedule.parts
     resolution = np.asarray(controller.encoder_resolution, dtype=np.float64)
+    is_quantised, estimates = bool(resolution.any()), controller.estimates_velocity
     smoothing = 1 - np.exp(-2 * np.pi * controller.velocity_filter * periods)
     waiting = [np.zeros_like(want.q[0])] * controller.delayed_periods(float(schedule.periods[0]))
     before: Array | None = None
@@ -176,18 +182,18 @@ def _discrete(
     def advance(k: int, state: Array) -> tuple[Array, Array, Array]:
         nonlocal before, speed, integral
         q, v = state[plant.motor]
-        if resolution.any():
+        if is_quantised:
             q = np.where(resolution > 0, np.round(q / np.where(resolution > 0, resolution, 1.0)) * resolution, q)
-        if controller.estimates_velocity:
+        if estimates:
             raw = speed if before is None else (q - before) / periods
             speed = speed + smoothing * (raw - speed)
             before, v = q, speed
         command = commander.torque(want.at(k), planned[k], q, v, integral)
         waiting.append(command)
         due = waiting.pop(0)
-        tau = np.clip(due, -limits, limits)
-        # An actuator at its limit winds up no integral.
-        integral = integral + np.where(tau == due, commander.gains.integral * (want.q[k] - q) * periods, 0.0)
+        tau = np.minimum(np.maximum(due, -limits), limits)
+        if commander.integrates:  # but not where the actuator is at its limit
+            integral = integral + np.where(tau == due, commander.gains.integral * (want.q[k] - q) * periods, 0.0)
         for _ in range(schedule.parts):
             state = _rk4(plant, state, step, (tau, tau, tau))
         return state, due, tau
@@ -215,7 +221,7 @@ def _continuous(
             return commander.torque((want, middle, end)[stage].at(k), added[stage][k], q, v, integral)
 
         def applied(stage: int, at: Array) -> Array:
-            return np.clip(torque(stage, at), -limits, limits)
+            return np.minimum(np.maximum(torque(stage, at), -limits), limits)
 
         command = torque(0, state)
         q = state[plant.motor][0]

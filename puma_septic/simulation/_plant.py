@@ -6,16 +6,17 @@ they put in, what friction and a wrench take; of an elastic arm also position an
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, final
 
 import numpy as np
 
-from puma_septic.dynamics import mass_matrix, potential_energy, rigid_acceleration, rigid_torque
+from puma_septic.dynamics import acceleration_function, mass_matrix, potential_energy, rigid_torque
 from puma_septic.errors import InputError
+from puma_septic.friction import friction_function
 from puma_septic.robot import Actuator, Robot
 from puma_septic.simulation._elasticity import ElasticJoints
-from puma_septic.simulation._laws import smooth_friction
 from puma_septic.validation import Array
 
 __all__ = ["INPUT", "LOSS", "POSITION", "VELOCITY", "WORK", "Plant"]
@@ -42,6 +43,8 @@ class Plant:
         One a row.
     stiffness, damping : ndarray, shape (n_rows, n_joints)
         Theirs; empty of a rigid arm.
+    acceleration, friction : callable
+        Of the links under torques, and of the joints by velocity and way.
     """
 
     robot: Robot
@@ -50,6 +53,8 @@ class Plant:
     elastic: tuple[ElasticJoints, ...]
     stiffness: Array
     damping: Array
+    acceleration: Callable[[Array, Array, Array], Array]
+    friction: Callable[[Array, Array], Array]
 
     @classmethod
     def of(cls, robot: Robot, elastic: tuple[ElasticJoints, ...], rest_speed: float) -> Plant:
@@ -77,6 +82,8 @@ class Plant:
             elastic=elastic,
             stiffness=np.array([one.stiffness for one in elastic]),
             damping=np.array([one.damping for one in elastic]),
+            acceleration=acceleration_function(links),
+            friction=friction_function(robot.friction),
         )
 
     @property
@@ -99,10 +106,10 @@ class Plant:
 
     def _rigid_slope(self, state: Array, tau: Array) -> Array:
         q, v = state[POSITION], state[VELOCITY]
-        friction = smooth_friction(self.robot, v, self.rest_speed)
+        friction = self.friction(v, np.tanh(v / self.rest_speed))
         result = np.empty_like(state)
         result[POSITION] = v
-        result[VELOCITY] = rigid_acceleration(self.robot, q, v, tau - friction)
+        result[VELOCITY] = self.acceleration(q, v, tau - friction)
         self._account(result, tau, v, friction * v + self._wrench_power(q, v))
         return result
 
@@ -110,10 +117,10 @@ class Plant:
         q, v, motor, motor_v = state[POSITION], state[VELOCITY], state[_MOTOR], state[_MOTOR_VELOCITY]
         damped = self.damping * (motor_v - v)
         spring = self.stiffness * (motor - q) + damped
-        friction = smooth_friction(self.robot, motor_v, self.rest_speed)
+        friction = self.friction(motor_v, np.tanh(motor_v / self.rest_speed))
         result = np.empty_like(state)
         result[POSITION] = v
-        result[VELOCITY] = rigid_acceleration(self.links, q, v, spring)
+        result[VELOCITY] = self.acceleration(q, v, spring)
         result[_MOTOR] = motor_v
         result[_MOTOR_VELOCITY] = (tau - spring - friction) / self.robot.armature
         taken = friction * motor_v + damped * (motor_v - v) + self._wrench_power(q, v)

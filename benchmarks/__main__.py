@@ -11,6 +11,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import bench_assessment
 import bench_execution
 import bench_ik
+import bench_limits
 import bench_paths
 import bench_processes
 import bench_profiles
@@ -25,6 +26,7 @@ for benchmark in (
     bench_paths,
     bench_profiles,
     bench_sizing,
+    bench_limits,
     bench_execution,
 ):
     headers, *rows = benchmark.run()

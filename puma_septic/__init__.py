@@ -126,6 +126,7 @@ _HOMES: Final = {
     "tool_motion": "kinematics",
     "tool_move": "paths",
     "torque_terms": "dynamics",
+    "torque_uncertainty": "limits",
     "vibration": "vibration",
     "within_limits": "limits",
     "worst_holding_torque": "worst_case",
@@ -195,6 +196,7 @@ if TYPE_CHECKING:
     from puma_septic.limits import payload_over_duration as payload_over_duration
     from puma_septic.limits import payload_polygon as payload_polygon
     from puma_septic.limits import payload_sweep as payload_sweep
+    from puma_septic.limits import torque_uncertainty as torque_uncertainty
     from puma_septic.limits import within_limits as within_limits
     from puma_septic.logs import fit_residual as fit_residual
     from puma_septic.logs import fit_trajectory as fit_trajectory

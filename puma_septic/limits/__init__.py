@@ -22,6 +22,7 @@ from puma_septic.limits._sweeps import (
     payload_duration_map,
     payload_sweep,
 )
+from puma_septic.limits._uncertainty import TorqueUncertainty, torque_uncertainty
 from puma_septic.limits._within_limits import within_limits
 
 __all__ = [
@@ -36,6 +37,7 @@ __all__ = [
     "MotionLimits",
     "PayloadPolygon",
     "Sweep",
+    "TorqueUncertainty",
     "assessed_at",
     "duration_sweep",
     "feasible_rates",
@@ -49,5 +51,6 @@ __all__ = [
     "payload_polygon",
     "payload_sweep",
     "stretched",
+    "torque_uncertainty",
     "within_limits",
 ]

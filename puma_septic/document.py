@@ -5,12 +5,12 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from math import inf, isinf, isnan, nan
 from types import MappingProxyType
 from typing import Any, Final
 
-__all__ = ["SCHEMAS", "csv_text", "numeric", "plain", "to_json"]
+__all__ = ["SCHEMAS", "csv_text", "numeric", "plain", "records_csv", "to_json"]
 
 SCHEMAS: Final = MappingProxyType(
     {
@@ -126,6 +126,36 @@ def csv_text(rows: Iterable[Iterable[Any]]) -> str:
     stream = io.StringIO()
     csv.writer(stream, lineterminator="\n").writerows([_cell(value) for value in row] for row in rows)
     return stream.getvalue()
+
+
+def records_csv(records: Iterable[Mapping[str, Any]]) -> str:
+    r"""Documents of one kind as CSV, one row each; what is nested has a column for each key or place.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> records_csv([{"name": "a", "q": [0.5, None], "limit": {"low": 1.0}}, {"name": "b", "q": [2.0, 3.0]}])
+    'name,q 1,q 2,limit low\na,0.5,,1.0\nb,2.0,3.0,\n'
+    """
+    rows = [dict(_flat("", record)) for record in records]
+    heads = list(dict.fromkeys(key for row in rows for key in row))
+    return csv_text([heads, *([row.get(key) for key in heads] for row in rows)])
+
+
+def _flat(name: str, value: Any) -> Iterator[tuple[str, Any]]:
+    if isinstance(value, Mapping):
+        for key, item in value.items():
+            yield from _flat(f"{name} {key}".strip(), item)
+    elif isinstance(value, (list, tuple)) and all(isinstance(item, str) for item in value):
+        yield name, "; ".join(value)
+    elif isinstance(value, (list, tuple)):
+        for k, item in enumerate(value):
+            yield from _flat(f"{name} {k + 1}".strip(), item)
+    else:
+        yield name, value
 
 
 def _cell(value: Any) -> Any:

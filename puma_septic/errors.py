@@ -50,5 +50,12 @@ def did_you_mean(unknown: Iterable[str], valid: Iterable[str]) -> str:
     ("; did you mean 'septic'?", '')
     """
     names = list(valid)
-    near = [match for name in unknown for match in get_close_matches(name, names, n=1, cutoff=0.7)]
+    near = [
+        match for name in unknown for match in get_close_matches(name, names, n=1, cutoff=0.7) or _parts(name, names)
+    ]
     return f"; did you mean {', '.join(map(repr, near))}?" if near else ""
+
+
+def _parts(name: str, names: Iterable[str]) -> list[str]:
+    """The names that a name is a part of, or that are a part of it, three letters at least."""
+    return [one for one in names if min(len(one), len(name)) >= 3 and (name in one or one in name)][:3]

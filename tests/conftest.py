@@ -68,6 +68,13 @@ def reference() -> Path:
 
 
 @pytest.fixture(autouse=True)
+def _plain_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Text is as wide as a page and without colours, whatever the terminal that tests run in."""
+    for name in ("COLUMNS", "NO_COLOR", "FORCE_COLOR"):
+        monkeypatch.delenv(name, raising=False)
+
+
+@pytest.fixture(autouse=True)
 def _documented(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Each document that a test writes as JSON is held against docs/schemas.json."""
     faults: list[str] = []

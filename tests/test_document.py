@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 import puma_septic as ps
 from puma_septic.document import SCHEMAS, csv_text, numeric, plain, to_json
 from puma_septic.views import assessment, comparison, profiles, robot, sizing
+from puma_septic.views.layout import laid_out
 
 
 def read(document: dict) -> dict:
@@ -76,7 +77,7 @@ def test_views_show_the_document_alone(puma: ps.Robot) -> None:
     for show in (profiles.text, profiles.html, profiles.sentence):
         assert show([read(one) for one in both], labels) == show(both, labels)
     compared = ps.compare(loaded, vias, [0.0, 1.0, 2.0], profiles=["quintic", "linear"])
-    for show, shown in ((comparison.text, str), (comparison.csv, lambda it: it.to_csv())):
+    for show, shown in ((lambda it: laid_out(comparison.text(it)), str), (comparison.csv, lambda it: it.to_csv())):
         assert show(read(compared.to_dict())) == shown(compared)
     sized = ps.size(ps.cycle.with_return(smooth.motion, dwell=0.5))
     assert sizing.text(read(sized.to_dict())) == str(sized)

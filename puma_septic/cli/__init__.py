@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import os
 import sys
+from argparse import Namespace
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from contextlib import nullcontext, suppress
+from dataclasses import replace
 from typing import Final
 
 from puma_septic.cli import (
@@ -30,9 +32,12 @@ from puma_septic.cli import (
     _size,
     _study,
 )
+from puma_septic.cli._blame import blamed
 from puma_septic.cli._faults import fault_text
+from puma_septic.cli._output_arguments import asked_units, check_out
 from puma_septic.cli._parser import Command, parse
 from puma_septic.cli._spelling import spelt
+from puma_septic.cli._terminal import coloured, has_colour, terminal_width, waiting
 from puma_septic.errors import InputError, PumaSepticError
 
 __all__ = ["COMMANDS", "main"]
@@ -40,6 +45,8 @@ __all__ = ["COMMANDS", "main"]
 BAD_INPUT = 2
 FAULT = 70  # EX_SOFTWARE of sysexits.h
 INTERRUPTED = 130  # as a shell reports Ctrl-C
+# Commands that have a bar of their own, or run until they are ended.
+_TELL_THEMSELVES: Final = ("optimise", "replay")
 
 # In the order of the help.
 COMMANDS: Final[Mapping[str, Command]] = {
@@ -97,11 +104,16 @@ def _answered(given: list[str]) -> int:
     except SystemExit as stop:  # argparse after --help, --version or a wrong argument
         return int(stop.code or 0)
     try:
-        answer = COMMANDS[arguments.command].run(arguments)
+        check_out(arguments)
+        asked_units(arguments)  # a wrong unit ends it before the work begins
+        with (
+            waiting(f"puma-septic {arguments.command}") if arguments.command not in _TELL_THEMSELVES else nullcontext()
+        ):
+            answer = COMMANDS[arguments.command].run(arguments)
         is_text = getattr(arguments, "format", "text") == "text"
-        _write(spelt(answer.text) if is_text else answer.text)
+        _write(_for_a_person(answer.text, arguments) if is_text else answer.text)
     except PumaSepticError as error:
-        _complain(f"puma-septic: error: {spelt(_told(error))}\n")
+        _complain(f"puma-septic: error: {blamed(spelt(_told(error)), given)}\n")
         return BAD_INPUT
     return answer.exit_code
 
@@ -109,6 +121,22 @@ def _answered(given: list[str]) -> int:
 def _told(error: PumaSepticError) -> str:
     """In one line; where a list of faults is told, one line for each."""
     return "\n  ".join(" ".join(line.split()) for line in str(error).split("\n  "))
+
+
+def _for_a_person(text: str, arguments: Namespace) -> str:
+    """In the asked units, within the terminal's width, coloured where it shows colours."""
+    # Text wrapping takes a while to load, which --help need not wait for.
+    from puma_septic.views.layout import Table, laid_out
+
+    units = asked_units(arguments)
+
+    def change(table: Table) -> Table:
+        head, rows = units.table(table.head, table.rows)
+        same = tuple(head) == table.head
+        return table if same else replace(table, head=tuple(head), rows=tuple(map(tuple, rows)))
+
+    shown = laid_out(units.prose(spelt(text)), terminal_width(), change=change)
+    return coloured(shown) if has_colour(sys.stdout) else shown
 
 
 def _write(text: str) -> None:

@@ -50,14 +50,14 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="SHARE",
         help="how close the bound has to come (default: 0.04)",
     )
-    add_format(parser, "text", "json", "moveit")
+    add_format(parser, "text", "json", "csv", "moveit")
 
 
 def run(arguments: Namespace) -> Answer:
     """Bound the accelerations; as text, JSON or MoveIt's joint_limits.yaml."""
     import numpy as np
 
-    from puma_septic.document import to_json
+    from puma_septic.document import records_csv, to_json
     from puma_septic.errors import InputError
     from puma_septic.robot import Payload, load_robot
     from puma_septic.worst_case import acceleration_limits
@@ -78,6 +78,8 @@ def run(arguments: Namespace) -> Answer:
     code = 0 if (limits.guaranteed > 0).all() else 1
     if arguments.format == "moveit":
         return Answer(limits.moveit_yaml(), code)
+    if arguments.format == "csv":
+        return Answer(records_csv(limits.to_dict()["joints"]), code)
     return Answer(to_json(limits.to_dict()) if arguments.format == "json" else str(limits), code)
 
 

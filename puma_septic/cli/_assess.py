@@ -43,16 +43,11 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_format(parser, "text", "json", "csv")
     add_out(parser, "report.html, JSON, CSV and figures")
     add_write(parser, "the motion of the first profile, or the whole cycle,")
-    parser.add_argument("--no-png", action="store_true", help="with --out: no PNG figures, which take seconds")
     add_recording(parser)
 
 
 def run(arguments: Namespace) -> Answer:
     """Assess the asked task or recorded motion."""
-    from puma_septic.errors import InputError
-
-    if arguments.no_png and arguments.out is None:
-        raise InputError("--no-png goes with --out: name the folder to write into")
     if arguments.csv is not None:
         from puma_septic.cli._recorded import run_log
 

@@ -52,7 +52,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         " unbounded_acceleration or moving_end (repeatable)",
     )
     parser.add_argument("--topic", metavar="NAME", help="topic of a recording: JointTrajectory, or JointState as a log")
-    add_format(parser, "text", "json")
+    add_format(parser, "text", "json", "csv")
     parser.add_argument(
         "--fix",
         metavar="FILE",

@@ -15,7 +15,7 @@ from puma_septic._version import __version__
 from puma_septic.cli._parser import Answer
 from puma_septic.cli._task_arguments import asked_robot
 from puma_septic.cli._task_text import wrapped
-from puma_septic.document import SCHEMAS, to_json
+from puma_septic.document import SCHEMAS, records_csv, to_json
 from puma_septic.errors import InputError, NoSolution, PumaSepticError
 from puma_septic.files import sha256_of
 from puma_septic.gate import (
@@ -83,9 +83,9 @@ def answer(arguments: Namespace) -> Answer:
         if arguments.fix is not None:
             fix = _fix(arguments, robot, results, allow)
     verdict = max((one.check.verdict for one in results), key=VERDICTS.index)
-    if arguments.format == "json":
+    if arguments.format in ("json", "csv"):
         document = _document(arguments, results, inputs, (tolerance, allow), fix)
-        text = to_json(document)
+        text = to_json(document) if arguments.format == "json" else _csv(document)
     else:
         text = _text(results, inputs, verdict, fix)
     return Answer(text, EXIT_CODES[verdict])
@@ -257,6 +257,15 @@ def _document(
         ],
         "fix": fix,
     }
+
+
+def _csv(document: dict[str, Any]) -> str:
+    """One row for each trajectory and worst margin; one row of a trajectory without any."""
+    rows: list[dict[str, Any]] = []
+    for one in document["trajectories"]:
+        head = {key: one[key] for key in ("path", "origin", "verdict")}
+        rows += [{**head, **margin} for margin in one["margins"]] or [head]
+    return records_csv(rows)
 
 
 def _text(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from typing import TYPE_CHECKING
 
-from puma_septic.cli._output_arguments import add_format, add_out, with_report
+from puma_septic.cli._output_arguments import add_format, add_out, add_verbose, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._recording_arguments import add_recording
 from puma_septic.cli._task_arguments import add_dwell, add_payload, add_profile, add_task, asked_task
@@ -23,8 +23,10 @@ SUMMARY = "all suitable profiles on one task, measured exactly"
 DESCRIPTION = """\
 Compare all suitable profiles on the points and times of a task (the paper's by default).
 
-Each is assessed exactly; Pareto-optimal profiles in the named objectives are marked. Exit code: 0 compared,
-2 bad input, 3 a recorded motion's noise or units leave its verdict open."""
+Each is assessed exactly. The first sentence says which to take: of those that go through all points and keep all known
+limits, the one with the least of the first objective. Pareto-optimal profiles in the named objectives are marked.
+
+Exit code: 0 compared, 2 bad input, 3 a recorded motion's noise or units leave its verdict open."""
 
 EXAMPLES = """compare paper-turned
 compare task.yaml --profile quintic --profile septic --objective rms_torque --out comparison"""
@@ -43,6 +45,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="mark the Pareto-optimal profiles in these objectives (repeatable; default: integral_of_squared_jerk,"
         " overshoot, via_miss)",
     )
+    add_verbose(parser, "all profiles in all quantities, and those that do not suit")
     add_format(parser, "text", "json", "csv")
     add_out(parser, "report.html, JSON, CSV and a figure")
     add_recording(parser)
@@ -61,7 +64,7 @@ def run(arguments: Namespace) -> Answer:
     else:
         resolved = resolve_task(asked_task(arguments, "paper"))
         comparison, title = _compared(resolved, arguments), resolved.task.name
-        head = f"Task {resolved.task.name!r}, robot {resolved.robot.name!r}"
+        head = f"Task {resolved.task.name!r}, robot {resolved.robot.name!r}, {resolved.times[-1]:g} s"
     code = UNDECIDED if any(row["undecided"] for row in comparison.to_dict()["profiles"]) else 0
     if arguments.out is not None:
         _write_folder(arguments, comparison, f"{title}: profiles compared")
@@ -69,7 +72,10 @@ def run(arguments: Namespace) -> Answer:
         return Answer(to_json(comparison.to_dict()), code)
     if arguments.format == "csv":
         return Answer(comparison.to_csv(), code)
-    return Answer(with_report(f"{head}\n\n{comparison}", arguments), code)
+    from puma_septic.views.comparison import short_text, text
+
+    shown = text if arguments.verbose else short_text
+    return Answer(with_report(f"{head}\n\n{shown(comparison.to_dict())}", arguments), code)
 
 
 def _write_folder(arguments: Namespace, comparison: Comparison, title: str) -> None:
@@ -87,7 +93,8 @@ def _write_folder(arguments: Namespace, comparison: Comparison, title: str) -> N
         (folder / "report.html").write_text(report_html(comparison, title=title), encoding="utf-8")
         pictures = [comparison_picture(comparison)]
         write_svg(folder, pictures)
-        write_png(folder, pictures)
+        if not arguments.no_png:
+            write_png(folder, pictures)
 
 
 def _beside(recorded: Trajectory, robot: Robot, arguments: Namespace) -> Comparison:
@@ -127,5 +134,6 @@ def _compared(resolved: ResolvedTask, arguments: Namespace) -> Comparison:
         options=options,
         dwell=resolved.task.dwell,
         floor=resolved.task.floor,
+        own=[choice.name for choice in resolved.task.profiles],
         **objectives,
     )

@@ -27,13 +27,13 @@ doctor arm.urdf --lock finger=0.02 --format sarif"""
 def add_arguments(parser: ArgumentParser) -> None:
     """The robot."""
     add_robot(parser, is_positional=True)
-    add_format(parser, "text", "json", "sarif")
+    add_format(parser, "text", "json", "csv", "sarif")
 
 
 def run(arguments: Namespace) -> Answer:
     """Examine the robot; the exit code says whether anything is doubtful."""
     from puma_septic.doctor import CODES, examine
-    from puma_septic.document import to_json
+    from puma_septic.document import records_csv, to_json
     from puma_septic.robot import load_robot, robot_files
     from puma_septic.views.doctor import sarif
 
@@ -44,6 +44,8 @@ def run(arguments: Namespace) -> Answer:
     if arguments.format == "text":
         return Answer(str(examination), code)
     document = examination.to_dict()
+    if arguments.format == "csv":
+        return Answer(records_csv(document["findings"]), code)
     if arguments.format == "sarif":
         path = robot_files(source)["robot"]
         lines = _lines(path.read_text(encoding="utf-8-sig"))

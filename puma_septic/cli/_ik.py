@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 
 from puma_septic.cli._numbers import finite
-from puma_septic.cli._output_arguments import add_format
+from puma_septic.cli._output_arguments import add_format, add_verbose
 from puma_septic.cli._parser import Answer
 from puma_septic.cli._task_arguments import add_task
 
@@ -48,7 +48,8 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="any rotation of the tool will do: for arms with fewer than six axes",
     )
     parser.add_argument("--frame", help="frame that it is given in, fixed to the world (default: world)")
-    add_format(parser, "text", "json")
+    add_verbose(parser, "of several poses: the joint positions of each branch")
+    add_format(parser, "text", "json", "csv")
 
 
 def run(arguments: Namespace) -> Answer:

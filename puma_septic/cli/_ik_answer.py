@@ -12,7 +12,7 @@ from puma_septic._version import __version__
 from puma_septic.cli._parser import Answer
 from puma_septic.cli._task_arguments import asked_robot, asked_task
 from puma_septic.cli._task_text import WIDTH, wrapped
-from puma_septic.document import SCHEMAS
+from puma_septic.document import SCHEMAS, records_csv
 from puma_septic.errors import InputError
 from puma_septic.kinematics import IkSolutions, is_puma, lowest_points, rtb_names
 from puma_septic.report import to_json
@@ -31,7 +31,14 @@ def answer(arguments: Namespace) -> Answer:
     posed = [(label, point) for label, point in zip(labels, waypoints, strict=True) if isinstance(point, Posed)]
     if not posed:
         raise InputError(f"{task.origin}: no point is a pose; there is nothing to solve")
-    text = to_json(_document(task, robot, posed)) if arguments.format == "json" else _text(task, robot, posed)
+    if arguments.format == "json":
+        text = to_json(_document(task, robot, posed))
+    elif arguments.format == "csv":
+        text = records_csv(_records(_document(task, robot, posed)))
+    else:
+        text = (
+            _short_text(task, robot, posed) if len(posed) > 1 and not arguments.verbose else _text(task, robot, posed)
+        )
     reachable = all(point.solutions.within_limits.any() for _, point in posed)
     return Answer(text, 0 if reachable else 1)
 
@@ -71,6 +78,45 @@ def _turned(arguments: Namespace) -> dict[str, list[float]]:
 def _text(task: Task, robot: Robot, posed: list[tuple[str, Posed]]) -> str:
     head = f"Robot: {robot.name}, tool {robot.tool!r}, poses in {task.frame!r}; joint positions in rad (prismatic: m)"
     return "\n\n".join([wrapped(head), *(f"{label}\n{_table(robot, point.solutions)}" for label, point in posed)])
+
+
+def _short_text(task: Task, robot: Robot, posed: list[tuple[str, Posed]]) -> str:
+    """Of several poses: which branches there are, and which joints are beyond their limits where."""
+    names = dict.fromkeys(name for _, point in posed for name in point.solutions.configurations)
+    rows: list[list[Cell]] = []
+    fitting = []
+    for name in names:
+        cells = [_place_of(robot, point.solutions, name) for _, point in posed]
+        rows.append([name, *cells])
+        if all(cell == "ok" for cell in cells):
+            fitting.append(name)
+    verdict = (
+        f"Within the limits at all {len(posed)} poses: {', '.join(fitting)}."
+        if fitting
+        else f"No branch is within the limits at all {len(posed)} poses."
+    )
+    head = f"Robot: {robot.name}, tool {robot.tool!r}, poses in {task.frame!r}"
+    note = "ok: within the limits; else the joints that are beyond them; -: there is no such branch"
+    return "\n".join([
+        wrapped(head), wrapped(verdict), "", text_table(["branch", *(label for label, _ in posed)], rows), note, "",
+        "More: -v shows the joint positions of each branch and how low the arm hangs.",
+    ])  # fmt: skip
+
+
+def _place_of(robot: Robot, solutions: IkSolutions, name: str) -> str:
+    if name not in solutions.configurations:
+        return "-"
+    return _beyond(robot, solutions, solutions.configurations.index(name)).replace("none", "ok")
+
+
+def _records(document: dict[str, Any]) -> list[dict[str, Any]]:
+    """One for each pose and branch."""
+    joints = document["joint_names"]
+    return [
+        {"pose": pose["name"], **branch, "q": dict(zip(joints, branch["q"], strict=True))}
+        for pose in document["poses"]
+        for branch in pose["branches"]
+    ]
 
 
 def _table(robot: Robot, solutions: IkSolutions) -> str:

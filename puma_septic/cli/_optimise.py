@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from puma_septic.cli._numbers import count
 from puma_septic.cli._output_arguments import add_format, add_out
 from puma_septic.cli._parser import Answer
 from puma_septic.cli._task_arguments import add_dwell, add_payload, add_profile, add_task, asked_task
@@ -35,7 +36,7 @@ violates a limit, 2 bad input or no motion keeps the limits to respect."""
 
 EXAMPLES = """optimise task.yaml --objective duration
 optimise task.yaml --objective rms_torque --write best.yaml
-optimise task.yaml --objective rms_torque --objective integral_of_squared_jerk --size 20"""
+optimise task.yaml --objective rms_torque --objective integral_of_squared_jerk --points 20"""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -75,8 +76,10 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--restarts", type=int, default=4, metavar="N", help="random restarts (default: 4)")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="random seed (default: 0)")
-    parser.add_argument("--size", type=int, default=12, metavar="N", help="number of Pareto-front points (default: 12)")
-    add_format(parser, "text", "json")
+    parser.add_argument(
+        "--points", type=count, default=12, metavar="N", help="number of points on the Pareto front (default: 12)"
+    )
+    add_format(parser, "text", "json", "csv")
     add_out(parser, "JSON and figures")
     parser.add_argument(
         "--write",
@@ -88,6 +91,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> Answer:
     """The via times of one profile, by one, two or three objectives, or for the least time."""
+    from puma_septic.document import records_csv
     from puma_septic.errors import InputError
     from puma_septic.report import to_json
     from puma_septic.task import resolve_task
@@ -104,6 +108,8 @@ def run(arguments: Namespace) -> Answer:
         _write_folder(arguments, result, document)
     if arguments.write is not None:
         _write_optimum(arguments, resolved, result)
+    if arguments.format == "csv":
+        return Answer(records_csv(_records(result.to_dict())), 0 if _is_feasible(result) else 1)
     text = document if arguments.format == "json" else f"Task {task.name!r}\n{result}"
     return Answer(text, 0 if _is_feasible(result) else 1)
 
@@ -156,6 +162,23 @@ def _is_same(one: Trajectory, other: Trajectory) -> bool:
     return bool(near and abs(one.duration - other.duration) <= 1e-9 * other.duration)
 
 
+def _records(document: dict[str, Any]) -> list[dict[str, Any]]:
+    """One for each motion that was found, the start first."""
+    if "front" in document:
+        names = [one["name"] for one in document["objectives"]]
+        points = [("start", document["start"]), *((f"{k + 1}", one) for k, one in enumerate(document["front"]))]
+        return [
+            {"motion": name, "t": one["times"], **dict(zip(names, one["values"], strict=True))} for name, one in points
+        ]
+    if "duration" in document:
+        found = [("start", document["start"]), ("optimum", document)]
+        return [{"motion": name, "t": one["times"], "duration": one["duration"]} for name, one in found if one]
+    value = document["objective"]["name"]
+    return [
+        {"motion": name, "t": document[name]["times"], value: document[name]["value"]} for name in ("start", "optimum")
+    ]
+
+
 def _write_folder(arguments: Namespace, result: Result, document: str) -> None:
     """Document and figure."""
     # matplotlib takes longer to load than most optimisations take.
@@ -168,7 +191,8 @@ def _write_folder(arguments: Namespace, result: Result, document: str) -> None:
         (folder / "optimisation.json").write_text(document, encoding="utf-8")
         pictures = [optimisation_picture(result)]
         write_svg(folder, pictures)
-        write_png(folder, pictures)
+        if not arguments.no_png:
+            write_png(folder, pictures)
 
 
 def _is_feasible(result: Result) -> bool:
@@ -199,7 +223,9 @@ def _optimised(resolved: ResolvedTask, arguments: Namespace, progress: Any) -> R
         return least_time(make, resolved.points, resolved.times, keep=keep, restarts=arguments.restarts, **common)
     common |= {"keep": arguments.respect}
     if len(objectives) > 1:
-        return pareto_front(make, resolved.points, resolved.times, objectives=objectives, size=arguments.size, **common)
+        return pareto_front(
+            make, resolved.points, resolved.times, objectives=objectives, size=arguments.points, **common
+        )
     return optimise_via_times(
         make, resolved.points, resolved.times, objective=objectives[0], restarts=arguments.restarts, **common
     )

@@ -4,26 +4,56 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-__all__ = ["add_force", "add_format", "add_out", "add_verbose", "add_write", "with_report"]
+if TYPE_CHECKING:
+    from puma_septic.views.units import Units
+
+__all__ = [
+    "add_force",
+    "add_format",
+    "add_out",
+    "add_verbose",
+    "add_write",
+    "asked_units",
+    "check_out",
+    "with_report",
+]
 
 
 def add_format(parser: ArgumentParser, *formats: str) -> None:
-    """``--format``, the first one by default."""
+    """``--format``, the first one by default, and ``--show-in``."""
     parser.add_argument("--format", choices=formats, default=formats[0], help=f"output format (default: {formats[0]})")
+    parser.add_argument(
+        "--show-in",
+        type=_names,
+        default=(),
+        metavar="UNIT,...",
+        help="deg: angles in degrees; rpm: joint speeds in revolutions per minute; in text, tables and charts (JSON and"
+        " CSV stay in SI units)",
+    )
 
 
 def add_out(parser: ArgumentParser, files: str) -> None:
     """``--out``, the folder that the named files go to, and ``--force``."""
     parser.add_argument("--out", metavar="DIR", help=f"write {files} into a new or empty folder")
     add_force(parser, "--out")
+    parser.add_argument("--no-png", action="store_true", help="with --out: no PNG figures, which take seconds")
 
 
-def add_verbose(parser: ArgumentParser) -> None:
+def add_verbose(
+    parser: ArgumentParser, more: str = "tables of the joints and remarks; -vv: all of each profile"
+) -> None:
     """``-v``, counted."""
-    parser.add_argument(
-        "-v", "--verbose", action="count", default=0, help="tables of the joints and remarks; -vv: all of each profile"
-    )
+    parser.add_argument("-v", "--verbose", action="count", default=0, help=more)
+
+
+def check_out(arguments: Namespace) -> None:
+    """Refuse what goes with ``--out`` without it."""
+    from puma_septic.errors import InputError
+
+    if getattr(arguments, "no_png", False) and arguments.out is None:
+        raise InputError("--no-png goes with --out: name the folder to write into")
 
 
 def with_report(text: str, arguments: Namespace) -> str:
@@ -45,3 +75,18 @@ def add_write(parser: ArgumentParser, what: str) -> None:
         metavar="FILE",
         help=f"write {what} as a ROS JointTrajectory (.yaml, .json), which check reads; --force replaces a file",
     )
+
+
+def asked_units(arguments: Namespace) -> Units:
+    """Of ``--show-in``."""
+    from puma_septic.errors import InputError
+    from puma_septic.views.units import Units
+
+    try:
+        return Units.named(getattr(arguments, "show_in", ()))
+    except InputError as error:
+        raise InputError(f"--show-in: {error}") from error
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(part.strip() for part in text.split(",") if part.strip())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-from puma_septic.cli._output_arguments import add_format, add_out, with_report
+from puma_septic.cli._output_arguments import add_format, add_out, add_verbose, with_report
 from puma_septic.cli._parser import Answer
 
 __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]
@@ -19,12 +19,14 @@ EXAMPLES = """paper --out paper"""
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Only the form."""
-    add_format(parser, "text", "json")
+    add_verbose(parser, "tables, computing times and the reason of each verdict")
+    add_format(parser, "text", "json", "csv")
     add_out(parser, "report.html, JSON, text and figures")
 
 
 def run(arguments: Namespace) -> Answer:
     """Reproduce the paper and judge its claims; what the verdicts are does not change the exit code."""
+    from puma_septic.document import records_csv
     from puma_septic.paper import reproduce
     from puma_septic.report import new_folder, to_json
 
@@ -40,6 +42,9 @@ def run(arguments: Namespace) -> Answer:
             (folder / "paper.json").write_text(document, encoding="utf-8")
             (folder / "paper.txt").write_text(f"{report}\n", encoding="utf-8")
             (folder / "report.html").write_text(report_html(report), encoding="utf-8")
-            for name, figure in paper_figures(report).items():
+            for name, figure in ({} if arguments.no_png else paper_figures(report)).items():
                 save_figure(figure, folder / name)
-    return Answer(document if arguments.format == "json" else with_report(str(report), arguments), 0)
+    if arguments.format == "csv":
+        return Answer(records_csv(report.to_dict()["claims"]), 0)
+    text = str(report) if arguments.verbose else report.summary
+    return Answer(document if arguments.format == "json" else with_report(text, arguments), 0)

@@ -6,6 +6,7 @@ import re
 import sys
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections.abc import Mapping, Sequence
+from textwrap import fill
 from typing import Final, NamedTuple, NoReturn, Protocol
 
 from puma_septic._version import __version__
@@ -40,6 +41,17 @@ class Command(Protocol):
         """Answer; libraries are loaded here."""
 
 
+class _Formatter(RawDescriptionHelpFormatter):
+    """Paragraphs as wide as the terminal; examples as they are."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        parts = [
+            part if part.startswith("examples:") else fill(part, width, initial_indent=indent, subsequent_indent=indent)
+            for part in text.split("\n\n")
+        ]
+        return "\n\n".join(parts)
+
+
 class _Parser(ArgumentParser):
     """An argument parser that complains in one line."""
 
@@ -68,7 +80,7 @@ def parse(given: Sequence[str], commands: Mapping[str, Command]) -> Namespace:
             description=command.DESCRIPTION,
             epilog="\n".join(["examples:", *(f"  puma-septic {line}" for line in command.EXAMPLES.splitlines())]),
             allow_abbrev=False,
-            formatter_class=RawDescriptionHelpFormatter,
+            formatter_class=_Formatter,
         )
         _add_debug(one)
         command.add_arguments(one)

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, Final
 
-from puma_septic.cli._output_arguments import add_format
+from puma_septic.cli._output_arguments import add_format, add_verbose
 from puma_septic.cli._parser import Answer
 
 if TYPE_CHECKING:
@@ -42,12 +42,13 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--normalised", action="store_true", help="also the coefficients of one unit of movement in one unit of time"
     )
-    add_format(parser, "text", "json")
+    add_verbose(parser, "what each needs, and what the columns mean")
+    add_format(parser, "text", "json", "csv")
 
 
 def run(arguments: Namespace) -> Answer:
     """The catalogue, and the normalised table where asked for."""
-    from puma_septic.document import SCHEMAS, plain, to_json
+    from puma_septic.document import SCHEMAS, plain, records_csv, to_json
     from puma_septic.profiles import available, normalised_table
     from puma_septic.views.tables import text_table
 
@@ -58,9 +59,23 @@ def run(arguments: Namespace) -> Answer:
             rows = [{key: plain(value) for key, value in asdict(row).items()} for row in normalised_table()]
             document["normalised"] = rows
         return Answer(to_json(document), 0)
+    if arguments.format == "csv":
+        given = normalised_table() if arguments.normalised else infos
+        return Answer(records_csv(_record(asdict(one)) for one in given), 0)
     headers = ("profile", "class", "inside", "at vias", "overshoots", "needs")
-    lines = [text_table(headers, [_cells(info) for info in infos]), *wrap(_NOTE, 100)]
+    table = [_cells(info) for info in infos]
+    if not arguments.verbose and not arguments.normalised:
+        short = text_table(headers[:5], [row[:5] for row in table])
+        return Answer(f"{short}\nMore: -v shows what each needs; --normalised its coefficients.", 0)
+    lines = [text_table(headers, table), *wrap(_NOTE, 100)]
     return Answer("\n".join([*lines, *(_normalised() if arguments.normalised else [])]), 0)
+
+
+def _record(record: dict[str, Any]) -> dict[str, Any]:
+    """With "unbounded" for infinity."""
+    from puma_septic.document import plain
+
+    return {key: plain(value) if isinstance(value, float) else value for key, value in record.items()}
 
 
 def _cells(info: ProfileInfo) -> list[Cell]:

@@ -6,7 +6,7 @@ from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from typing import TYPE_CHECKING, Any
 
 from puma_septic.cli._numbers import finite
-from puma_septic.cli._output_arguments import add_format
+from puma_septic.cli._output_arguments import add_format, add_verbose
 from puma_septic.cli._parser import Answer
 from puma_septic.cli._task_arguments import add_robot, asked_robot
 
@@ -41,21 +41,28 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="where the joints are (rad; m if prismatic), all others at 0; or one number for each joint",
     )
     parser.add_argument("--list", action="store_true", help="list the robots that can be named")
-    add_format(parser, "text", "json")
+    add_verbose(parser, "drives, frames and notes as well")
+    add_format(parser, "text", "json", "csv")
 
 
 def run(arguments: Namespace) -> Answer:
     """Show one robot, or the names of all."""
-    from puma_septic.document import to_json
+    from puma_septic.document import records_csv, to_json
     from puma_septic.robot import load_robot, named_robots
-    from puma_septic.views.robot import text
+    from puma_septic.views.robot import short_text, text
 
+    if arguments.list and arguments.format == "json":
+        return Answer(to_json({name: str(path) for name, path in named_robots().items()}), 0)
     if arguments.list:
         return Answer("\n".join(f"{name:28s} {path}" for name, path in named_robots().items()), 0)
     section = asked_robot(arguments, {})
     robot = load_robot(section.pop("source", "puma560"), **section)
     document = robot.to_dict() | {"pose": _pose(robot, _positions(robot, arguments.at or []))}
-    return Answer(to_json(document) if arguments.format == "json" else text(document), 0)
+    if arguments.format == "csv":
+        return Answer(records_csv(document["joints"]), 0)
+    if arguments.format == "json":
+        return Answer(to_json(document), 0)
+    return Answer(text(document) if arguments.verbose else short_text(document), 0)
 
 
 def _positions(robot: Robot, given: list[tuple[str, float]]) -> Array:

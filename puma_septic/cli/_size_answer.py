@@ -257,4 +257,5 @@ def _write_folder(arguments: Namespace, found: Sizing | Selection, document: dic
             (folder / f"load-profile-{part}.csv").write_text(load_profile_csv(load), encoding="utf-8")
         pictures = sizing_pictures(sizing)
         write_svg(folder, pictures)
-        write_png(folder, pictures)
+        if not arguments.no_png:
+            write_png(folder, pictures)

@@ -84,10 +84,7 @@ def side_by_side(assessments: Sequence[Assessment]) -> str:
     """The profiles side by side, one row each."""
     documents = [one.to_dict() for one in assessments]
     table = profiles.text(documents, profile_labels(assessments))
-    note = (
-        "The largest among the joints: velocity and torque in per cent of their limits, jerk in rad/s^3, and"
-        " overshoot beyond the points in rad."
-    )
+    note = "The largest among the joints; velocity and torque in per cent of their limits, overshoot beyond the points."
     return "\n".join([table, *(wrapped(text) for text in (note, profiles.doubts_text(documents)) if text)])
 
 
@@ -95,7 +92,7 @@ def branches_text(resolved: ResolvedTask) -> str:
     """Why the points violate position limits: what each branch of the inverse kinematics violates."""
     branches = resolved.branches
     width = 4 + max(len(branch.configuration) for branch in branches)
-    lines = [wrapped(f"{_reason(resolved)} How far beyond its limits each joint is at most, in rad:")]
+    lines = [wrapped(f"{_reason(resolved)} How far beyond its limits each joint is at most:")]
     for branch in branches:
         start = f"  {branch.configuration}".ljust(width)
         lines += wrap(_excess(resolved, branch), WIDTH, initial_indent=start, subsequent_indent=" " * width)
@@ -128,11 +125,13 @@ def _points(resolved: ResolvedTask, joint: str) -> str:
 def _excess(resolved: ResolvedTask, branch: Branch) -> str:
     """Each joint beyond its limits, by how much at most, and at which points."""
     texts = []
-    for joint, excess in zip(resolved.robot.joint_names, branch.excess.T, strict=True):
+    robot = resolved.robot
+    for joint, excess, slides in zip(robot.joint_names, branch.excess.T, robot.is_prismatic, strict=True):
         if excess.any():
+            unit = "m" if slides else "rad"
             at = [name for name, size in zip(resolved.names, excess, strict=True) if size]
             places = "all points" if len(at) == len(excess) else ", ".join(at)
-            texts.append(f"{joint} {excess.max():.2g} ({places})")
+            texts.append(f"{joint} {excess.max():.2g} {unit} ({places})")
     return "; ".join(texts) or "none"
 
 

@@ -29,6 +29,7 @@ def compare(
     dwell: float = 0.0,
     floor: float | None = None,
     objectives: Sequence[str] = ("integral_of_squared_jerk", "overshoot", "via_miss"),
+    own: Sequence[str] = (),
 ) -> Comparison:
     """Run all suitable profiles through the same points and measure each exactly.
 
@@ -51,12 +52,16 @@ def compare(
     floor : float, optional
         Height above the base that the arm must stay above, m.
     objectives : sequence of str
-        By which Pareto-optimal profiles are marked; names as in `puma_septic.objectives.OBJECTIVES`.
+        By which Pareto-optimal profiles are marked, and by the first of which the advice is given; names as in
+        `puma_septic.objectives.OBJECTIVES`.
+    own : sequence of str
+        Profiles that are always shown and drawn, such as those of a task; of two that give the same motion it is
+        these that stay.
 
     Returns
     -------
     Comparison
-        There is no single winner; profiles that do not suit are listed with the reason.
+        With advice which one to take; profiles that do not suit are listed with the reason.
 
     Raises
     ------
@@ -77,7 +82,7 @@ def compare(
     instants = checked_times("times", times, len(vias))
     dwell = checked_number("dwell", dwell, unit="s", at_least=0.0)
     chosen = checked_objectives(objectives)
-    made, unsuitable = make_profiles(robot, vias, instants, names=profiles, options=options or {})
+    made, unsuitable = make_profiles(robot, vias, instants, names=profiles, options=options or {}, own=own)
     made = {**(beside or {}), **made}
     if not made:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in unsuitable.items())
@@ -94,4 +99,5 @@ def compare(
         )
         for name, candidate in candidates.items()
     )
-    return Comparison(points=vias, times=instants, profiles=rows, unsuitable=unsuitable, objectives=chosen)
+    shown = tuple(name for name in dict.fromkeys([*(beside or {}), *own]) if name in made)
+    return Comparison(points=vias, times=instants, profiles=rows, unsuitable=unsuitable, objectives=chosen, own=shown)

@@ -11,11 +11,13 @@ from typing import Any, final
 import numpy as np
 
 from puma_septic.assessment import Assessment
+from puma_septic.comparison._advice import Candidate, advice_of, ranked, recommended
 from puma_septic.document import SCHEMAS, plain
 from puma_septic.objectives import Objective, non_dominated
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_choice
 from puma_septic.views import comparison as view
+from puma_septic.views.layout import laid_out
 
 __all__ = ["ComparedProfile", "Comparison"]
 
@@ -93,6 +95,11 @@ class ComparedProfile:
         return len(vias) > 0 and bool((np.maximum(speed, left) <= _REST * self.assessment.peak_velocity.max()).all())
 
     @property
+    def meets_points(self) -> bool:
+        """Whether it goes through all points."""
+        return not self.trajectory.via_miss.any()
+
+    @property
     def singularities_crossed(self) -> Mapping[str, int]:
         """How often each kind of singular posture is crossed, those that are."""
         reports = self.assessment.tool.singularities
@@ -162,6 +169,8 @@ class Comparison:
     unsuitable : mapping
         Profile name to the reason.
     objectives : tuple of Objective
+    own : tuple of str
+        Profiles that are always shown and drawn, such as those of the task.
     """
 
     points: Array
@@ -169,6 +178,7 @@ class Comparison:
     profiles: tuple[ComparedProfile, ...]
     unsuitable: Mapping[str, str]
     objectives: tuple[Objective, ...]
+    own: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "unsuitable", MappingProxyType(dict(self.unsuitable)))
@@ -180,9 +190,40 @@ class Comparison:
 
     @cached_property
     def pareto_optimal(self) -> tuple[str, ...]:
-        """Pareto-optimal profiles in the objectives."""
-        values = np.array([list(row.objectives.values()) for row in self.profiles])
-        return tuple(row.name for row, best in zip(self.profiles, non_dominated(values), strict=True) if best)
+        """Pareto-optimal profiles in the objectives, among those through all points; of none where none is."""
+        rows = [row for row in self.profiles if row.meets_points]
+        values = np.array([list(row.objectives.values()) for row in rows]).reshape(len(rows), len(self.objectives))
+        return tuple(row.name for row, best in zip(rows, non_dominated(values), strict=True) if best)
+
+    @cached_property
+    def _candidates(self) -> tuple[Candidate, ...]:
+        first = self.objectives[0].name
+        return tuple(
+            Candidate(
+                name=row.name,
+                meets_points=row.meets_points,
+                is_feasible=row.assessment.is_feasible and not row.assessment.undecided,
+                stops=row.stops_at_vias if len(row.trajectory.times) > 2 else None,
+                value=row.objectives[first],
+                worst=max(row.assessment.checks, key=lambda check: check.utilisation, default=None),
+            )
+            for row in self.profiles
+        )
+
+    @property
+    def ranking(self) -> tuple[str, ...]:
+        """All profiles: those that meet the points and keep the limits first, then by the first objective."""
+        return ranked(self._candidates)
+
+    @property
+    def recommended(self) -> tuple[str, ...]:
+        """The profiles that `advice` names: the best that passes the vias, and the best that stops at them."""
+        return tuple(one.name for one in recommended(self._candidates).values())
+
+    @property
+    def advice(self) -> str:
+        """One sentence: which profile to take, by which measure; where none keeps the limits, which comes nearest."""
+        return advice_of(self._candidates, self.objectives[0].name)
 
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready document; numbers in SI units, "unbounded" for infinity, null for what is not known."""
@@ -191,9 +232,16 @@ class Comparison:
             "schema": SCHEMAS["comparison"],
             "robot": robot.name,
             "joint_names": list(robot.joint_names),
+            "position_unit": " or ".join(
+                sorted({"m" if slides else "rad" for slides in robot.is_prismatic}, reverse=True)
+            ),
             "points": plain(self.points),
             "times": plain(self.times),
             "objectives": [{"name": one.name, "unit": one.unit, "meaning": one.meaning} for one in self.objectives],
+            "advice": self.advice,
+            "recommended": list(self.recommended),
+            "ranking": list(self.ranking),
+            "own": list(self.own),
             "pareto_optimal": list(self.pareto_optimal),
             "profiles": [row.to_dict() for row in self.profiles],
             "unsuitable": dict(self.unsuitable),
@@ -206,7 +254,7 @@ class Comparison:
         return view.csv(self.to_dict())
 
     def __str__(self) -> str:
-        return view.text(self.to_dict())
+        return laid_out(view.text(self.to_dict()))
 
     def _repr_html_(self) -> str:
         return view.html(self.to_dict())

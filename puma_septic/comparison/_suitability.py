@@ -26,10 +26,11 @@ def make_profiles(
     *,
     names: Sequence[str] | None,
     options: Mapping[str, Mapping[str, Any]],
+    own: Sequence[str] = (),
 ) -> tuple[dict[str, Trajectory], dict[str, str]]:
     """Trajectories by profile, and for each profile that does not suit the reason.
 
-    Without names, all profiles are tried, and one that gives the same motion as an earlier one is left out.
+    Without names, all profiles are tried, and of those that give the same motion the first one stays, or one of `own`.
 
     Raises
     ------
@@ -49,7 +50,10 @@ def make_profiles(
             unsuitable[name] = str(error)
             continue
         twin = next((other for other, one in made.items() if _is_same(one, trajectory)), None)
-        if names is None and twin is not None:
+        if names is None and twin is not None and name in own and twin not in own:
+            made = {name if other == twin else other: one for other, one in made.items()}
+            unsuitable[twin] = f"here the same motion as {name}"
+        elif names is None and twin is not None:
             unsuitable[name] = f"here the same motion as {twin}"
         else:
             made[name] = trajectory

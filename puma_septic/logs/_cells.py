@@ -46,6 +46,8 @@ def read_cells(path: str | PathLike[str]) -> Cells:
     try:
         with open(path, encoding="utf-8-sig", newline="") as file:
             lines = file.read().splitlines()
+    except FileNotFoundError as error:
+        raise InputError(f"{path}: this CSV file does not exist") from error
     except (OSError, UnicodeDecodeError, ValueError) as error:
         raise InputError(f"{path}: cannot be read as a CSV file: {error}") from error
     comments = sum(line.lstrip().startswith(_COMMENTS) for line in lines)

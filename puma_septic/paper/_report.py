@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final, final
@@ -21,6 +22,7 @@ from puma_septic.views.tables import Cell, text_table
 __all__ = ["PaperReport", "reproduce"]
 
 # Whatever changes in the layout of the document changes this.
+_ORDER: Final = ("holds", "holds in part", "does not hold", "not stated", "not tested")
 _JUDGES: Final[tuple[Callable[[Evidence], Claim], ...]] = (
     _claims_of_points.claim_1,
     _claims_of_points.claim_2,
@@ -96,6 +98,20 @@ class PaperReport:
             ],
         }
 
+    @property
+    def verdict(self) -> str:
+        """How many claims hold, hold in part, do not hold, are not stated or not tested, in one sentence."""
+        counts = Counter(claim.verdict for claim in self.claims)
+        said = (f"{counts[verdict]} {_plural(verdict, counts[verdict])}" for verdict in _ORDER if counts[verdict])
+        return f"Of the paper's {len(self.claims)} claims {', '.join(said)}"
+
+    @property
+    def summary(self) -> str:
+        """The verdict, and one line for each claim."""
+        rows = [[claim.number, claim.text, claim.verdict] for claim in self.claims]
+        more = "More: -v shows tables, computing times and the reason of each verdict."
+        return f"{self.verdict}.\n\n{text_table(['', 'claim', 'verdict'], rows)}\n\n{more}"
+
     def __str__(self) -> str:
         e = self.evidence
         parts = [
@@ -154,6 +170,13 @@ def reproduce(
     count = int(checked_number("runs", runs, at_least=1))
     evidence = gather(load_robot() if robot is None else robot, inputs, runs=count, clock=clock)
     return PaperReport(evidence=evidence, claims=tuple(judge(evidence) for judge in _JUDGES))
+
+
+def _plural(verdict: str, count: int) -> str:
+    """A verdict of one claim, as it reads of several."""
+    if verdict.startswith("not"):
+        return f"{'is' if count == 1 else 'are'} {verdict}"
+    return verdict if count == 1 else verdict.replace("does", "do").replace("holds", "hold")
 
 
 def _difference(computed: Array, printed: Array) -> str:

@@ -140,7 +140,8 @@ def _limit(name: str, value: ArrayLike | None, labels: Sequence[str], unit: str)
     unknown = np.isnan(np.asarray(value, dtype=np.float64))
     if unknown.any():
         which = labels if unknown.ndim == 0 else [label for label, one in zip(labels, unknown, strict=False) if one]
-        raise InputError(f"{', '.join(which)}: {name} is unknown (nan), but double_s needs it, in {unit}")
+        whose = "all joints" if unknown.all() else ", ".join(which)
+        raise InputError(f"double_s needs {name} in {unit}, which is unknown for {whose}")
     limit = boundary(name, value, len(labels))
     if not (limit > 0).all():
         j = int(np.argmax(~(limit > 0)))

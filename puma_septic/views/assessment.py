@@ -11,13 +11,13 @@ from puma_septic.document import csv_text, numeric
 from puma_septic.limit_check import LimitCheck
 from puma_septic.quantities import MOTION, QUANTITIES, Quantity
 from puma_septic.views.checks import read_checks
-from puma_septic.views.tables import Cell, html_table, text_table
+from puma_septic.views.tables import html_table, text_table
+from puma_septic.views.units import SI, Units
 
 __all__ = ["html", "joints_text", "listed", "lists", "lowest_text", "metrics_csv", "tables", "text"]
 
 Document = Mapping[str, Any]
 
-_MOTION: Final = ("joint", *MOTION)
 # What is not known, which the list below the tables explains.
 _UNKNOWN: Final = "--"
 # Below this part of the largest of all joints a value is what rounding left, in tables.
@@ -40,11 +40,11 @@ def joints_text(document: Document) -> str:
     """The verdict and the tables of the joints, without the lists below them."""
     rest = f", then {document['dwell']:g} s at rest" if document["dwell"] else ""
     motion, effort = _joint_rows(document)
-    note = f"{_units(document)}; (utilisation; ! marks a violation)"
+    note = "In parentheses: utilisation of the limit; ! marks a violation"
     return "\n".join([
         _head(document, rest),
         "",
-        text_table(_MOTION, motion),
+        text_table(_motion_headers(document), motion),
         "",
         text_table(_effort_headers(document), effort),
         note,
@@ -65,17 +65,20 @@ def html(document: Document) -> str:
     )
 
 
-def tables(document: Document) -> str:
+def tables(document: Document, units: Units = SI) -> str:
     """What each joint does and needs, and what is left of its limits, as HTML tables in the boxes that scroll."""
     motion, effort = _joint_rows(document)
     quantities = _quantities(document)
     margins = [[joint["name"], *(_margin(joint, quantity) for quantity in quantities)] for joint in document["joints"]]
     parts = (
-        html_table(_MOTION, motion, caption=f"Peaks, and utilisation of the limits. {_units(document)}"),
+        html_table(
+            *units.table(_motion_headers(document), motion),
+            caption="Peaks, and in parentheses utilisation of the limits",
+        ),
         html_table(_effort_headers(document), effort, caption="Torque and energy, over the motion and its dwell"),
         html_table(
             ["joint", *(quantity.label for quantity in quantities)],
-            margins,
+            [[units.prose(cell) for cell in row] for row in margins],
             caption="Margins: what is left of the limit; for positions the distance to the nearer bound",
         ),
     )
@@ -115,10 +118,13 @@ def lists(document: Document) -> dict[str, list[str]]:
     return {title: lines for title, lines in found.items() if lines}
 
 
-def _units(document: Document) -> str:
-    units = "Peaks in rad, rad/s, rad/s^2, rad/s^3, N m; energies in J"
-    prismatic = any(joint["is_prismatic"] for joint in document["joints"])
-    return f"{units} (prismatic joints: m and N)" if prismatic else units
+def _unit(document: Document, quantity: Quantity) -> str:
+    """Of a column: that of all joints, or of both kinds."""
+    return " or ".join(dict.fromkeys(quantity.unit(joint["is_prismatic"]) for joint in document["joints"]))
+
+
+def _motion_headers(document: Document) -> list[str]:
+    return ["joint", *(f"{name} [{_unit(document, QUANTITIES[name])}]" for name in MOTION)]
 
 
 def _quantities(document: Document) -> list[Quantity]:
@@ -132,14 +138,16 @@ def _further(document: Document) -> list[Quantity]:
 
 
 def _effort_headers(document: Document) -> list[str]:
-    further = [f"{quantity.label} [{quantity.units[0]}]" for quantity in _further(document)]
-    return ["joint", "torque", "at [s]", "rms torque", *further, "energy in", "energy out"]
+    further = [f"{quantity.label} [{_unit(document, quantity)}]" for quantity in _further(document)]
+    effort = _unit(document, QUANTITIES["effort"])
+    sides = ["energy in [J]", "energy out [J]"]
+    return ["joint", f"torque [{effort}]", "at [s]", f"rms torque [{effort}]", *further, *sides]
 
 
-def _joint_rows(document: Document) -> tuple[list[list[Cell]], list[list[Cell]]]:
+def _joint_rows(document: Document) -> tuple[list[list[str]], list[list[str]]]:
     """What each joint does and what it needs, in two tables, so that each fits on a page."""
-    motion: list[list[Cell]] = []
-    effort: list[list[Cell]] = []
+    motion: list[list[str]] = []
+    effort: list[list[str]] = []
     further = _further(document)
     for joint in _without_rounding(document["joints"]):
         checks = {check.quantity: check for check in read_checks(joint["checks"])}

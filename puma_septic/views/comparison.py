@@ -2,66 +2,94 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 from math import fsum, isinf, isnan, sqrt
-from textwrap import wrap
 from typing import Any, Final
 
 from puma_septic.document import csv_text, numeric
 from puma_septic.limit_check import LimitCheck, most_used_first
 from puma_septic.views.checks import read_checks
-from puma_septic.views.tables import Cell, html_table, text_table
+from puma_septic.views.tables import html_table, text_table
+from puma_septic.views.units import SI, Units
 
-__all__ = ["csv", "html", "text"]
+__all__ = ["csv", "html", "short_text", "text"]
 
 Document = Mapping[str, Any]
 
-_WIDTH: Final = 100
-_MOTION_HEADERS: Final = ("profile", "class", "v", "rms", "a", "rms", "jerk", "rms", "j^2 dt", "end")
+# Of the short table: what a reader chooses by.
+_HEADS: Final = ("profile", "limits", "at vias", "torque", "jerk [{}/s^3]", "jerk^2 dt [{}^2/s^5]", "overshoot [{}]")
 _MOTION: Final = (
-    "peak_velocity", "rms_velocity", "peak_acceleration", "rms_acceleration", "peak_jerk", "rms_jerk",
-    "integral_of_squared_jerk", "end_jerk",
-)  # fmt: skip
-_ARM_HEADERS: Final = ("profile", "time", "at vias", "over", "peak torque", "rms", "energy", "violated")
-_OF_TORQUE: Final = ("peak torque", "rms", "energy")
-_ARM_NOTE: Final = (
-    "Over: largest excess beyond the hull of the points, rad. Peak torque as a share of its limit, of the joint that"
-    " uses most of it (in N m where no limit is known); rms: root of the joints' summed mean square torques, N m;"
-    " energy that the actuators put in, J; violated: limits by quantity, with the number of joints."
+    ("peak_velocity", "peak v [{}/s]"),
+    ("rms_velocity", "rms v [{}/s]"),
+    ("peak_acceleration", "peak a [{}/s^2]"),
+    ("rms_acceleration", "rms a [{}/s^2]"),
+    ("peak_jerk", "peak jerk [{}/s^3]"),
+    ("rms_jerk", "rms jerk [{}/s^3]"),
+    ("end_jerk", "end jerk [{}/s^3]"),
+)
+_NOTE: Final = (
+    "The largest among the joints, of jerk^2 the integral over all of them; torque: the largest share of a limit;"
+    " limits: those that are violated, with the number of joints."
 )
 _UNKNOWN: Final = "not known"
 _BRIEF: Final = {"position": "pos", "velocity": "vel", "acceleration": "acc"}
+# Rows of the short table, and those of the task beside them.
+_SHOWN: Final = 12
 
 
-def text(document: Document) -> str:
-    """Two tables and what must be said beside them, within 100 columns."""
-    lines = [
-        text_table(_MOTION_HEADERS, _motion_rows(document)),
-        *wrap(_motion_note(document), _WIDTH),
-        "",
-        text_table(*_arm_table(document, "\n")),
-        *wrap(_ARM_NOTE, _WIDTH),
-    ]
-    for title, remarks in _remarks(document).items():
-        lines += ["", title]
-        for remark in remarks:
-            lines += wrap(remark, _WIDTH, initial_indent="  ", subsequent_indent="    ")
+def short_text(document: Document) -> str:
+    """The advice, the profiles that meet the points and keep the limits, and the task's own."""
+    good = [row["name"] for row in _ranked(document) if row["is_feasible"] and not _miss(row) and not row["undecided"]]
+    shown = dict.fromkeys([*(good or document["ranking"])[:_SHOWN], *document["own"]])
+    names = [name for name in document["ranking"] if name in shown]
+    others = len(document["profiles"]) - len(names)
+    lines = [_advice(document), "", text_table(*_choice_table(document, names)), _NOTE + _starred(document)]
+    undecided = list(dict.fromkeys(doubt for row in document["profiles"] for doubt in row["undecided"]))
+    lines += ["", *(f"Undecided: {doubt}" for doubt in undecided)] if undecided else []
+    unknown = document["not_assessed"]
+    lines += ["", f"Not assessed: {'; '.join(unknown)}"] if unknown else [""]
+    left = len(document["unsuitable"])
+    more = f"{others} more profile{'s' if others != 1 else ''}, " if others else ""
+    lines.append(f"More: -v shows {more}peaks and root mean squares, and why {left} do not suit.")
     return "\n".join(lines)
 
 
-def html(document: Document) -> str:
-    """The same for a notebook."""
-    parts = [
-        html_table(_MOTION_HEADERS, _motion_rows(document)),
-        f"<p>{escape(_motion_note(document))}</p>",
-        html_table(*_arm_table(document, ", ")),
-        f"<p>{escape(_ARM_NOTE)}</p>",
+def text(document: Document) -> str:
+    """The advice, two tables of all profiles and what must be said beside them."""
+    names = document["ranking"]
+    lines = [
+        _advice(document),
+        "",
+        text_table(*_choice_table(document, names)),
+        _NOTE + _starred(document),
+        "",
+        text_table(*_motion_table(document)),
+        "Of the joint with the largest; end: at start or end; class with the rest before and after; -- is unbounded.",
     ]
     for title, remarks in _remarks(document).items():
-        items = "".join(f"<li>{escape(remark)}</li>" for remark in remarks)
+        lines += ["", title, *(f"  {remark}" for remark in remarks)]
+    return "\n".join(lines)
+
+
+def html(document: Document, units: Units = SI) -> str:
+    """The same for a notebook or a page."""
+    parts = [
+        f"<p><strong>{escape(units.prose(document['advice']))}</strong></p>",
+        _boxed(html_table(*units.table(*_choice_table(document, document["ranking"])))),
+        f"<p>{escape(_NOTE + _starred(document))}</p>",
+        _boxed(html_table(*units.table(*_motion_table(document)))),
+        "<p>Of the joint with the largest; end: at start or end; class with the rest before and after;"
+        " -- is unbounded.</p>",
+    ]
+    for title, remarks in _remarks(document).items():
+        items = "".join(f"<li>{escape(units.prose(remark))}</li>" for remark in remarks)
         parts.append(f"<p>{escape(title)}</p><ul>{items}</ul>")
     return "\n".join(parts)
+
+
+def _boxed(table: str) -> str:
+    return f'<div class="scroll" style="overflow-x:auto">{table}</div>'
 
 
 def csv(document: Document) -> str:
@@ -79,13 +107,25 @@ def csv(document: Document) -> str:
     return csv_text(rows)
 
 
-def _motion_note(document: Document) -> str:
+def _advice(document: Document) -> str:
+    return str(document["advice"])
+
+
+def _starred(document: Document) -> str:
     names = ", ".join(objective["name"] for objective in document["objectives"])
     return (
-        "Largest peak and largest root mean square among the joints, rad and s; j^2 dt: integral of jerk^2 summed"
-        " over them; end: jerk at the ends; class with the rest before and after; -- is unbounded. * Pareto-optimal:"
-        f" no other profile is at least as good in all of {names}, and better in one."
+        f" * Pareto-optimal among those through all points: none is at least as good in all of {names}, and better in"
+        " one."
     )
+
+
+def _ranked(document: Document) -> list[Document]:
+    rows = {row["name"]: row for row in document["profiles"]}
+    return [rows[name] for name in document["ranking"]]
+
+
+def _miss(row: Document) -> float:
+    return numeric(row["overall"]["via_miss"])
 
 
 def _remarks(document: Document) -> dict[str, list[str]]:
@@ -105,46 +145,53 @@ def _remarks(document: Document) -> dict[str, list[str]]:
     return {title: texts for title, texts in remarks.items() if texts}
 
 
-def _motion_rows(document: Document) -> list[list[Cell]]:
-    return [
+def _choice_table(document: Document, names: Sequence[str]) -> tuple[list[str], list[list[str]]]:
+    """What a reader chooses by, without the columns of torque where no joint's torque is known."""
+    rows = [row for row in _ranked(document) if row["name"] in names]
+    knows = any(not isnan(numeric(peak)) for row in rows for peak in row["joints"]["peak_torque"])
+    heads = [head.format(_unit(document)) for head in _HEADS if knows or head != "torque"]
+    table = []
+    for row in rows:
+        overall = row["overall"]
+        measures = (overall["peak_jerk"], overall["integral_of_squared_jerk"], overall["overshoot"])
+        torque = [_torque(row, document["joint_names"])] if knows else []
+        table.append([
+            row["name"] + (" *" if row["name"] in document["pareto_optimal"] else ""),
+            "undecided" if row["undecided"] else _violated(read_checks(row["checks"])),
+            _at_vias(row, has_vias=len(document["times"]) > 2),
+            *torque,
+            *(_short(numeric(value)) for value in measures),
+            *([_short(numeric(overall["energy_in"]))] if knows else []),
+        ])  # fmt: skip
+    return [*heads, *(["energy [J]"] if knows else [])], table
+
+
+def _motion_table(document: Document) -> tuple[list[str], list[list[str]]]:
+    unit = _unit(document)
+    heads = ["profile", "class", "time [s]", *(head.format(unit) for _, head in _MOTION), "rms torque"]
+    rows = [
         [
             row["name"],
-            row["continuity"] + (" *" if row["name"] in document["pareto_optimal"] else ""),
-            *(_short(numeric(row["overall"][key])) for key in _MOTION),
-        ]
-        for row in document["profiles"]
-    ]
-
-
-def _arm_table(document: Document, separator: str) -> tuple[list[str], list[list[Cell]]]:
-    """Headers and rows, without the columns of torque where no joint's torque is known."""
-    rows = _arm_rows(document, separator)
-    if any(numeric(peak) == numeric(peak) for row in document["profiles"] for peak in row["joints"]["peak_torque"]):
-        return list(_ARM_HEADERS), rows
-    kept = [k for k, header in enumerate(_ARM_HEADERS) if header not in _OF_TORQUE]
-    return [_ARM_HEADERS[k] for k in kept], [[row[k] for k in kept] for row in rows]
-
-
-def _arm_rows(document: Document, separator: str) -> list[list[Cell]]:
-    return [
-        [
-            row["name"],
+            row["continuity"],
             f"{row['duration']:.4g}",
-            _at_vias(row),
-            _short(numeric(row["overall"]["overshoot"])),
-            _torque(row, document["joint_names"]),
+            *(_short(numeric(row["overall"][key])) for key, _ in _MOTION),
             _short(sqrt(fsum(numeric(value) ** 2 for value in row["joints"]["rms_torque"]))),
-            _short(numeric(row["overall"]["energy_in"])),
-            _violated(read_checks(row["checks"]), separator),
         ]
-        for row in document["profiles"]
+        for row in _ranked(document)
     ]
+    return heads, rows
 
 
-def _at_vias(row: Document) -> str:
-    miss = numeric(row["overall"]["via_miss"])
-    if miss:
+def _unit(document: Document) -> str:
+    """Of the position."""
+    return str(document["position_unit"])
+
+
+def _at_vias(row: Document, *, has_vias: bool) -> str:
+    if miss := _miss(row):
         return f"misses by {miss:.2g}"
+    if not has_vias:
+        return "no vias"
     return "stops" if row["stops_at_vias"] else "passes"
 
 
@@ -155,15 +202,14 @@ def _torque(row: Document, joint_names: list[str]) -> str:
         known = {name: peak for name, peak in zip(joint_names, peaks, strict=True) if not isnan(peak)}
         return f"{max(known, key=known.__getitem__)} {_short(max(known.values()))}" if known else _UNKNOWN
     worst = max(checks, key=lambda check: check.utilisation)
-    share = "--" if isinf(worst.utilisation) else f"{100 * worst.utilisation:.1f} %"
-    return f"{worst.joint} {share}"
+    return "--" if isinf(worst.utilisation) else f"{100 * worst.utilisation:.1f} %"
 
 
-def _violated(checks: tuple[LimitCheck, ...], separator: str) -> str:
+def _violated(checks: tuple[LimitCheck, ...]) -> str:
     """How often each quantity is violated, the one that is violated most first."""
     quantities = [check.label for check in most_used_first(checks) if check.is_violated]
     counts = {name: quantities.count(name) for name in dict.fromkeys(quantities)}
-    return separator.join(f"{_BRIEF.get(name, name)} {count}" for name, count in counts.items()) or "none"
+    return ", ".join(f"{_BRIEF.get(name, name)} {count}" for name, count in counts.items()) or "kept"
 
 
 def _short(value: float) -> str:

@@ -9,7 +9,8 @@ from typing import Any, Final
 from puma_septic.document import numeric
 from puma_septic.limit_check import HEIGHT, LimitCheck
 from puma_septic.views.checks import percent, read_checks
-from puma_septic.views.tables import Cell, html_table, text_table
+from puma_septic.views.tables import Cell, html_table, number, text_table
+from puma_septic.views.units import SI, Units
 
 __all__ = ["doubts_text", "html", "sentence", "text"]
 
@@ -23,7 +24,7 @@ _HEADERS: Final = ("profile", "verdict", "governing limit", "velocity", "torque"
 def text(documents: Sequence[Document], labels: Sequence[str]) -> str:
     """One row for each profile."""
     rows = [_row(document, label) for label, document in zip(labels, documents, strict=True)]
-    return text_table([*_HEADERS, "jerk", "overshoot"], rows)
+    return text_table(_heads(documents, "^3"), rows)
 
 
 def doubts_text(documents: Sequence[Document]) -> str:
@@ -32,11 +33,12 @@ def doubts_text(documents: Sequence[Document]) -> str:
     return f"{_DOUBTFUL} The verdict rests on doubtful data: {'; '.join(found)}." if found else ""
 
 
-def html(documents: Sequence[Document], labels: Sequence[str]) -> str:
+def html(documents: Sequence[Document], labels: Sequence[str], units: Units = SI) -> str:
     """The same as a page has it."""
     rows = [_row(document, label) for label, document in zip(labels, documents, strict=True)]
     caption = "Profiles side by side: the largest among the joints, velocity and torque in per cent of their limits"
-    table = html_table([*_HEADERS, "jerk [rad/s³]", "overshoot [rad]"], rows, caption=caption)
+    texts = [[number(cell) if isinstance(cell, float) else str(cell) for cell in row] for row in rows]
+    table = html_table(*units.table(_heads(documents, "³"), texts), caption=caption)
     return f'<div class="scroll">{table}</div>'
 
 
@@ -53,6 +55,14 @@ def sentence(documents: Sequence[Document], labels: Sequence[str]) -> str:
     check, label = max(pairs, key=lambda pair: float(f"{pair[0].utilisation:.9g}"))
     whose = f" ({label})" if len(labels) > 1 else ""
     return f"{_which(good, labels)}; governing: {check}{whose}."
+
+
+def _heads(documents: Sequence[Document], cube: str) -> list[str]:
+    """With the unit of the position, of both kinds where an arm has both."""
+    slides = {joint["is_prismatic"] for joint in documents[0]["joints"]}
+    unit = " or ".join("m" if one else "rad" for one in sorted(slides))
+    jerk = " or ".join(f"{'m' if one else 'rad'}/s{cube}" for one in sorted(slides))
+    return [*_HEADERS, f"jerk [{jerk}]", f"overshoot [{unit}]"]
 
 
 def _row(document: Document, label: str) -> list[Cell]:

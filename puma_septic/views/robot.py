@@ -12,7 +12,7 @@ from puma_septic.document import numeric
 from puma_septic.quantities import QUANTITIES, typeset
 from puma_septic.views.tables import Cell, html_table, text_table
 
-__all__ = ["html", "text"]
+__all__ = ["html", "short_text", "text"]
 
 Document = Mapping[str, Any]
 
@@ -37,6 +37,18 @@ def text(document: Document) -> str:
         parts.append(_pose_text(document))
     parts.append(_listed("Not drawn", document["missing_meshes"]))
     parts.append(_listed("Notes", document["notes"]))
+    return "\n\n".join(part for part in parts if part)
+
+
+def short_text(document: Document) -> str:
+    """Joints with their limits, the pose of the tool, and what more there is."""
+    parts = [_head(document), text_table(*_joint_rows(document)), _mimic_text(document)]
+    if "pose" in document:
+        parts.append(_pose_text(document))
+    parts.append(_listed("Not drawn", document["missing_meshes"]))
+    count = len(document["notes"])
+    notes = f" and {count} note{'s' if count > 1 else ''}" if count else ""
+    parts.append(f"More: -v shows the drives, {len(document['frames'])} frames{notes}.")
     return "\n\n".join(part for part in parts if part)
 
 

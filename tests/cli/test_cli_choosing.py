@@ -88,7 +88,7 @@ def test_optimise_two_objectives_gives_a_front(tmp_path: Path, capsys: pytest.Ca
         "peak_jerk",
         "--objective",
         "overshoot",
-        "--size",
+        "--points",
         "4",
         "--out",
         str(target),
@@ -172,7 +172,7 @@ def test_optimise_lspb_passes_durations(capsys: pytest.CaptureFixture[str]) -> N
         (["optimise", "--objective", "duration", "--restarts", "0"], "joint5 position -1.989 rad at t = 0 s is 0.2441"),
         (["optimise", "--free", "velocities"], "septic has no free velocities"),
         (["optimise", "--max-overshoot", "nan"], "max_overshoot = nan rad is not a finite number"),
-        (["profiles", "--format", "csv"], "invalid choice: 'csv'"),
+        (["profiles", "--format", "sarif"], "invalid choice: 'sarif'"),
     ],
 )
 def test_bad_input_is_one_line_on_stderr(

@@ -165,7 +165,7 @@ def test_a_gap_that_is_meant_is_allowed(tmp_path: Path, capsys: pytest.CaptureFi
         (["--csv", "FILE", "--columns", "time"], "argument --columns: 'time' is not NAME=COLUMN,..."),
         (["--csv", "FILE", "--smoothing", "0"], "argument --smoothing: 0 is not positive"),
         (["--lock", "joint6"], "argument --lock: 'joint6' is not JOINT=POSITION"),
-        (["--csv", "nowhere.csv"], "nowhere.csv: cannot be read as a CSV file"),
+        (["--csv", "nowhere.csv"], "nowhere.csv: this CSV file does not exist"),
     ],
 )
 def test_arguments_that_do_not_fit(

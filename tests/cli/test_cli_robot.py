@@ -37,7 +37,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.usefixtures("here")
 def test_a_robot_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
     """No command listed joints, frames, limits or the tool's pose, which every foreign robot needs."""
-    assert main(["robot", "arm.urdf", "--at", "shoulder=1.5707963267948966"]) == 0
+    assert main(["robot", "arm.urdf", "-v", "--at", "shoulder=1.5707963267948966"]) == 0
     text = capsys.readouterr().out
     assert "arm: 2 joints, tool 'tip' (chosen; --tool FRAME for another)" in text
     row = next(line for line in text.splitlines() if line.startswith("shoulder"))

@@ -108,7 +108,7 @@ def test_the_table_fits_100_columns_and_names_every_profile(comparison: ps.Compa
     text = str(comparison)
     assert max(map(len, text.splitlines())) <= 100
     for row in comparison.profiles:
-        assert text.count(f"\n{row.name} ") == 2
+        assert text.count(f"\n{row.name} ") >= 2
     for name in comparison.unsuitable:
         assert f"\n  {name}: " in text
     assert "shoulder 2 times, wrist 2 times: poly_353, septic" in text
@@ -205,7 +205,7 @@ def test_interval_extremes_are_those_of_each_interval() -> None:
         ({"objectives": ["overshoot", "overshoot"]}, "each can be named only once"),
         ({"options": {"spline": {}}}, "unknown profile in options 'spline'"),
         ({"profiles": ["lspb"], "options": {"lspb": {"blend": 1.0}}}, "no profile suits .* unknown option 'blend'"),
-        ({"profiles": ["double_s"]}, "no profile suits .* double_s needs it"),
+        ({"profiles": ["double_s"]}, "no profile suits .* double_s needs max_acceleration .*unknown for all joints"),
         ({"dwell": -1.0}, "dwell = -1 s must be at least 0"),
         ({"times": [0.0, 2.0, 2.0, 9.0]}, "must increase strictly"),
         ({"times": [0.0, 9.0]}, r"times: shape \(2,\) is not \(4,\)"),

@@ -25,7 +25,10 @@ _INSTANT = 1e-7
 _NUMBER = re.compile(r"-?\d+\.?\d*(?:e[+-]?\d+)?")
 _LONG = re.compile(r"-?\d+\.\d{11,}(?:e[+-]?\d+)?")
 # The quick tier has a task in every form; the others differ from it by robot and points.
-_QUICK = ("joints.txt", "joints.json", "joints.csv", "joints.html", "joints.robot.html", "paper.sizing.txt")
+_QUICK = (
+    "joints.txt", "joints.json", "joints.csv", "joints.html", "joints.robot.html", "paper.sizing.txt",
+    "terminal.assess.80.txt",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("name", [

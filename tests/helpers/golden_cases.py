@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
+from contextlib import redirect_stdout
+from functools import cache, partial
+from io import StringIO
 from typing import Any
+
+import pytest
 
 import puma_septic as ps
 from helpers.places import PANDA, UR5
 from helpers.report_text import report_text
+from puma_septic.cli import main
 from puma_septic.cli._task_text import assessed_text
 from puma_septic.comparison import Comparison
 from puma_septic.report import assess_document, metrics_csv, to_json
@@ -58,7 +63,24 @@ _WRITTEN = {
     "ur5": _UR5,
     "panda": _PANDA,
 }  # fmt: skip
+_COMMANDS = {
+    "assess": ["assess", "paper-turned"],
+    "compare": ["compare", "paper-turned"],
+    "ik": ["ik", "paper-turned"],
+    "robot": ["robot", "puma560"],
+    "paper": ["paper"],
+}
+WIDTHS = (60, 80, 120, 200)
 TASKS = ("paper", "paper-turned", "williams", "lin-chang-luh", *_WRITTEN)
+
+
+def terminal(name: str, width: int) -> str:
+    """What a command prints on a terminal of this width."""
+    out = StringIO()
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(out):
+        patch.setenv("COLUMNS", str(width))
+        main(_COMMANDS[name])
+    return out.getvalue()
 
 
 @cache
@@ -108,4 +130,10 @@ CASES: dict[str, Callable[[], str]] = {
     for names, forms in ((TASKS, OF_TASK), (("joints", "ur5"), OF_COMPARISON), (("paper", "carrying"), OF_SIZING))
     for name in names
     for ending, write in forms.items()
+}
+CASES |= {
+    f"terminal.{name}.{width}.txt": partial(terminal, name, width)
+    for name in _COMMANDS
+    if name != "paper"  # its verdicts rest on computing times
+    for width in WIDTHS
 }

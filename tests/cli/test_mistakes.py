@@ -1,0 +1,102 @@
+"""Twenty things that people get wrong: each message has the option or the line, the value, and what would be right."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from puma_septic.cli import main
+
+TASK = """name: cell
+points:
+  - {name: a, joints: [0, 0.5, -2.5, 0, 0.7, 0]}
+  - {name: b, joints: [0.3, 0.8, -2.5, 0, 0.7, 0]}
+times: [0, 1.5]
+profiles: [quintic_segments]
+"""
+FILES = {
+    "cell.yaml": TASK,
+    "profile.yaml": TASK.replace("quintic_segments", "quintc"),
+    "times.yaml": TASK.replace("1.5]", "-1.5]"),
+    "key.yaml": TASK.replace("profiles:", "profile:"),
+    "broken.yaml": "name: [\n",
+    "few.yaml": TASK.replace("0, 0.7, 0]}\ntimes", "0.7, 0]}\ntimes"),
+    "log.csv": "a,b\n1,2\n",
+}
+
+# What was typed, what is blamed, its value, and the remedy.
+MISTAKES = [
+    (["asses"], "command", "asses", "did you mean 'assess'?"),
+    (["assess", "nosuch.yaml"], "nosuch.yaml", "task file", "does not exist"),
+    (["assess", "paper-turnd"], "task", "paper-turnd", "did you mean 'paper-turned'?"),
+    (["assess", "cell.yaml", "--profile", "sptic"], "--profile", "sptic", "did you mean 'septic'?"),
+    (["assess", "cell.yaml", "--tool", "flnge"], "--tool", "flnge", "did you mean 'flange'?"),
+    (["assess", "cell.yaml", "--robot", "ur55"], "--robot", "ur55", "did you mean 'ur5'?"),
+    (["assess", "cell.yaml", "--robot", "arm.urdf"], "--robot", "arm.urdf", "does not exist"),
+    (["assess", "cell.yaml", "--actuators", "arm.toml"], "--actuators", "arm.toml", "does not exist"),
+    (["assess", "cell.yaml", "--limits", "corkee"], "--limits", "corkee", "did you mean 'corke'?"),
+    (["assess", "cell.yaml", "--payload", "two"], "--payload", "two", "not a finite number"),
+    (["assess", "cell.yaml", "--payload", "-1"], "--payload", "-1", "negative"),
+    (["assess", "cell.yaml", "--margin", "20"], "--margin", "20", "not between 0 and 1"),
+    (["assess", "cell.yaml", "--dwel", "1"], "--dwel", "1", "did you mean '--dwell'?"),
+    (["assess", "cell.yaml", "--lock", "joint2"], "--lock", "joint2", "JOINT=POSITION"),
+    (["assess", "cell.yaml", "--units", "deg"], "--units", "", "goes with --csv"),
+    (["assess", "cell.yaml", "--show-in", "degree"], "--show-in", "degree", "did you mean 'deg'?"),
+    (["assess", "cell.yaml", "--no-png"], "--no-png", "", "goes with --out"),
+    (["assess", "cell.yaml", "--out", "full"], "full", "not empty", "--force"),
+    (["assess", "--csv", "nosuch.csv"], "nosuch.csv", "CSV file", "does not exist"),
+    (["assess", "--csv", "log.csv"], "log.csv, row 1", "'a', 'b'", "time=COLUMN"),
+    (["assess", "profile.yaml"], "profile.yaml: profiles[0]", "quintc", "did you mean 'quintic'?"),
+    (["assess", "times.yaml"], "times.yaml: times", "-1.5 s", "must increase strictly"),
+    (["assess", "key.yaml"], "key.yaml", "profile", "did you mean 'profiles'?"),
+    (["assess", "broken.yaml"], "broken.yaml, line 2", "stream end", "not valid YAML"),
+    (["assess", "few.yaml"], "few.yaml: points[1] 'b'", "5 numbers", "for 6 joints"),
+    (["compare", "cell.yaml", "--objective", "jerk"], "--objective", "jerk", "did you mean"),
+    (["optimise", "paper-turned", "--points", "0"], "--points", "0", "whole number from 1"),
+    (["ik", "--position", "5", "0.1", "0.6"], "--position", "out of reach", "the nearest q"),
+    (["ik", "--rpy-deg", "0", "0", "0"], "--rpy-deg", "", "goes with --position"),
+    (["replay", "cell.yaml", "--port", "99999"], "port", "99999", "from 0 to 65535"),
+]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "blamed", "value", "remedy"), MISTAKES, ids=[" ".join(typed) for typed, *_ in MISTAKES]
+)
+def test_a_mistake_is_named_with_its_remedy(
+    arguments: list[str],
+    blamed: str,
+    value: str,
+    remedy: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """`assess --profile sptic` complained of the built-in task's profiles[0], `--tool foo` of its robot."""
+    monkeypatch.chdir(tmp_path)
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(text)
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "kept").touch()
+    assert main(arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    for part in (blamed, value, remedy):
+        assert part in err, err
+
+
+def test_nothing_typed_is_answered_by_the_help(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 0
+    assert "usage: puma-septic" in capsys.readouterr().out
+
+
+def test_points_in_degrees_are_suspected(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Joint positions of 45 and -90 gave "joint3 position 7573 %" and no question."""
+    monkeypatch.chdir(tmp_path)
+    text = TASK.replace("[0, 0.5, -2.5, 0, 0.7, 0]", "[0, 45, -90, 0, 30, 0]")
+    Path("degrees.yaml").write_text(text)
+    assert main(["assess", "degrees.yaml"]) == 3
+    assert "points in degrees?" in capsys.readouterr().out

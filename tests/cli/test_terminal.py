@@ -1,0 +1,111 @@
+"""What a terminal shows: short answers within its width, colours, the wanted units, a line while it works."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+import time
+
+import pytest
+from helpers.golden_cases import WIDTHS, terminal
+
+from puma_septic.cli import COMMANDS, _terminal, main
+
+CODE = re.compile(r"\x1b\[[0-9]+m")
+
+
+@pytest.fixture(scope="module")
+def printed() -> dict[str, dict[int, str]]:
+    """Each command's answer at each width, computed once."""
+    return {name: {width: terminal(name, width) for width in WIDTHS} for name in ("assess", "compare", "ik", "paper")}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("name", ["assess", "compare", "ik", "paper"])
+def test_no_line_is_longer_than_the_terminal(name: str, width: int, printed: dict[str, dict[int, str]]) -> None:
+    """At 40, 60, 80, 120 and 200 columns the widest line used to be 100 to 150 wide, whatever the terminal."""
+    assert max(map(len, printed[name][width].splitlines())) <= width
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["assess", "compare", "ik", "paper"])
+def test_an_answer_is_short(name: str, printed: dict[str, dict[int, str]]) -> None:
+    """They were 179, 73, 61 and 104 lines; all of it comes with -v."""
+    assert 12 <= len(printed[name][120].splitlines()) <= 30
+    assert "More: -v" in printed[name][120]
+
+
+def test_a_terminal_is_taken_between_60_and_200_columns(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert _terminal.terminal_width() == 100  # a pipe, a file
+    for columns, width in (("40", 60), ("80", 80), ("500", 200)):
+        monkeypatch.setenv("COLUMNS", columns)
+        assert _terminal.terminal_width() == width
+
+
+def test_colours_are_for_terminals_unless_asked_otherwise(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """https://no-color.org: NO_COLOR, when not empty, prevents colours; FORCE_COLOR asks for them in a pipe."""
+    main(["assess", "paper"])
+    plain = capsys.readouterr().out
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    main(["assess", "paper"])
+    coloured = capsys.readouterr().out
+    assert "\x1b[31minfeasible\x1b[0m" in coloured
+    assert CODE.sub("", coloured) == plain
+    monkeypatch.setenv("NO_COLOR", "1")
+    main(["assess", "paper"])
+    assert capsys.readouterr().out == plain
+
+
+def test_degrees_and_revolutions_per_minute(capsys: pytest.CaptureFixture[str]) -> None:
+    """Joint 1 of the turned task turns at 1.079 rad/s at most, 61.8 deg/s or 10.3 rpm; JSON stays in SI units."""
+    task = ["assess", "paper-turned", "--profile", "septic", "-v"]
+    main([*task, "--show-in", "deg,rpm"])
+    text = capsys.readouterr().out
+    assert "[deg]" in text
+    assert "[rpm]" in text
+    assert "rad" not in text.replace("rad^2", "")
+    row = next(line for line in text.splitlines() if line.startswith("joint1"))
+    assert "10.3" in row
+    main([*task, "--show-in", "deg", "--format", "json"])
+    shown = capsys.readouterr().out
+    main([*task, "--format", "json"])
+    assert capsys.readouterr().out == shown
+
+
+@pytest.mark.parametrize("command", ["ik", "robot", "profiles", "accelerations", "doctor"])
+def test_every_command_has_csv(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    main([command, *(["--gap", "0.5"] if command == "accelerations" else []), "--format", "csv"])
+    rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
+    assert rows
+    assert all(None not in row for row in rows)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_has_an_example_and_fits(
+    command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    assert main([command, "--help"]) == 0
+    text = capsys.readouterr().out
+    described, _, examples = text.partition("examples:\n")
+    assert f"puma-septic {command}" in examples
+    assert max(map(len, described.splitlines())) <= 80
+
+
+def test_whoever_waits_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Writing a report took 50 to 130 s on a busy machine without a word."""
+
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    stream = Terminal()
+    monkeypatch.setattr(_terminal.sys, "stderr", stream)
+    with _terminal.waiting("puma-septic paper", after=0.01):
+        time.sleep(0.1)
+    assert "puma-septic paper: 0 s ..." in stream.getvalue()
+    assert stream.getvalue().endswith("\r\x1b[K")

@@ -28,8 +28,10 @@ _HOMES: Final = {
     "Execution": "simulation",
     "Friction": "friction",
     "Gearbox": "drives",
+    "IkSolutions": "kinematics",
     "InputError": "errors",
     "JointTrajectoryError": "ros",
+    "LeastTime": "optimisation",
     "Limits": "robot",
     "LinearStage": "drives",
     "ManyAssessments": "batch",
@@ -39,6 +41,8 @@ _HOMES: Final = {
     "Motion": "motion",
     "Motor": "drives",
     "NoSolution": "errors",
+    "OptimisedTimes": "optimisation",
+    "ParetoFront": "optimisation",
     "Payload": "robot",
     "PayloadPolygon": "limits",
     "Piecewise": "piecewise",
@@ -177,6 +181,7 @@ if TYPE_CHECKING:
     from puma_septic.gate import TrajectoryCheck as TrajectoryCheck
     from puma_septic.gate import check_trajectory as check_trajectory
     from puma_septic.gate import least_stretch as least_stretch
+    from puma_septic.kinematics import IkSolutions as IkSolutions
     from puma_septic.kinematics import forward_kinematics as forward_kinematics
     from puma_septic.kinematics import inverse_kinematics as inverse_kinematics
     from puma_septic.kinematics import inverse_kinematics_batch as inverse_kinematics_batch
@@ -204,6 +209,9 @@ if TYPE_CHECKING:
     from puma_septic.logs import read_log as read_log
     from puma_septic.motion import Motion as Motion
     from puma_septic.motion import compute_motion as compute_motion
+    from puma_septic.optimisation import LeastTime as LeastTime
+    from puma_septic.optimisation import OptimisedTimes as OptimisedTimes
+    from puma_septic.optimisation import ParetoFront as ParetoFront
     from puma_septic.optimisation import least_time as least_time
     from puma_septic.optimisation import optimise_via_times as optimise_via_times
     from puma_septic.optimisation import pareto_front as pareto_front
@@ -271,4 +279,4 @@ else:  # hidden from the type checker, which would take every misspelt name for 
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted(__all__)

@@ -6,11 +6,13 @@ import csv
 import io
 import json
 from collections.abc import Iterable, Iterator, Mapping
+from html import escape
+from importlib import import_module
 from math import inf, isinf, isnan, nan
 from types import MappingProxyType
 from typing import Any, Final
 
-__all__ = ["SCHEMAS", "csv_text", "numeric", "plain", "records_csv", "to_json"]
+__all__ = ["SCHEMAS", "card", "csv_text", "frame", "known", "numeric", "one_line", "plain", "records_csv", "to_json"]
 
 SCHEMAS: Final = MappingProxyType(
     {
@@ -47,6 +49,8 @@ A key that is added keeps the number; one that is removed, renamed or means some
 """
 
 _UNBOUNDED: Final = "unbounded"
+# Of one line: what a window shows without breaking it.
+_LINE: Final = 160
 # What a spreadsheet takes for the beginning of a formula, its full-width forms included: OWASP, "CSV Injection".
 _FORMULA: Final = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠")
 
@@ -156,6 +160,88 @@ def _flat(name: str, value: Any) -> Iterator[tuple[str, Any]]:
             yield from _flat(f"{name} {k + 1}".strip(), item)
     else:
         yield name, value
+
+
+def one_line(kind: str, facts: Mapping[str, object]) -> str:
+    """A value in one line, for a terminal, a debugger, the message of a failed test.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> one_line("Motor", {"name": "F60", "peak torque": "3 N m"})
+    '<Motor: name F60, peak torque 3 N m>'
+    """
+    said = ", ".join(f"{title} {text}" for title, text in facts.items())
+    line = " ".join(f"<{kind}: {said}>".split())
+    return line if len(line) <= _LINE else f"{line[: _LINE - 5]} ...>"
+
+
+def card(kind: str, facts: Mapping[str, object]) -> str:
+    """A value as a small table, for a notebook; every text is escaped.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> card("Motor", {"name": "<F60>"})
+    '<table><caption>Motor</caption><tbody><tr><th>name</th><td>&lt;F60&gt;</td></tr></tbody></table>'
+    """
+    rows = "".join(
+        f"<tr><th>{escape(str(title))}</th><td>{escape(str(text))}</td></tr>" for title, text in facts.items()
+    )
+    return f"<table><caption>{escape(kind)}</caption><tbody>{rows}</tbody></table>"
+
+
+def known(value: object, units: Mapping[str, str]) -> dict[str, object]:
+    """Those attributes of a value that are known, with their units, to four digits.
+
+    Returns
+    -------
+    dict
+    """
+    facts: dict[str, object] = {}
+    for name, unit in units.items():
+        text = _written(getattr(value, name))
+        if text:
+            facts[name.replace("_", " ")] = f"{text} {unit}".strip()
+    return facts
+
+
+def frame(records: Iterable[Mapping[str, Any]], *, index: str | None = None) -> Any:
+    """Documents of one kind as a pandas DataFrame, one row each; "unbounded" is infinity there.
+
+    Raises
+    ------
+    ImportError
+        Where pandas is not installed.
+    """
+    try:
+        pandas = import_module("pandas")
+    except ImportError as error:
+        raise ImportError("to_dataframe needs pandas: python -m pip install 'puma-septic[pandas]'") from error
+    rows = [{key: _floated(value) for key, value in _flat("", record)} for record in records]
+    made = pandas.DataFrame(rows)
+    return made if index is None else made.set_index(index)
+
+
+def _floated(value: Any) -> Any:
+    return numeric(value) if value in (_UNBOUNDED, f"-{_UNBOUNDED}") else value
+
+
+def _written(value: Any) -> str:
+    """A text, a number or numbers; empty where nothing is known."""
+    if isinstance(value, str):
+        return value
+    numbers = value.tolist() if hasattr(value, "tolist") else value
+    if isinstance(numbers, list):
+        texts = [_written(one) for one in numbers]
+        return f"[{', '.join(text or '?' for text in texts)}]" if any(texts) else ""
+    return "" if numbers is None or isnan(numbers) else f"{numbers:.4g}"
 
 
 def _cell(value: Any) -> Any:

@@ -13,6 +13,7 @@ from typing import Final, NamedTuple, final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from puma_septic.document import card, known, one_line
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
 from puma_septic.validation import Array, checked_array, checked_number
@@ -208,6 +209,18 @@ class Friction:
         """
         dry = dry_friction_along((self,), velocity, velocity.stepwise(np.asarray(moving)[:, None]))
         return velocity * _law((self,)).viscous + dry
+
+    def __repr__(self) -> str:
+        return one_line("Friction", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Friction", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return known(
+            self,
+            {"viscous": "N m s/rad", "coulomb": "N m", "static": "N m", "stribeck_velocity": "rad/s", "load_share": ""},
+        )
 
 
 def checked_levels(name: str, value: ArrayLike) -> Array:

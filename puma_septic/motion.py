@@ -11,6 +11,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from puma_septic.document import card, one_line
 from puma_septic.dynamics import TERMS, TorqueTerms, rigid_terms, rigid_torque, smooth_torque
 from puma_septic.errors import InputError, PumaSepticError
 from puma_septic.friction import dry_friction_along, loss_along
@@ -112,6 +113,21 @@ class Motion:
             return _split_torque(self)
         terms = [part.torque_terms for part in self.parts]
         return TorqueTerms(**{name: Piecewise.sequence([getattr(one, name) for one in terms]) for name in TERMS})
+
+    def __repr__(self) -> str:
+        return one_line("Motion", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Motion", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "robot": self.robot.name,
+            "profile": self.trajectory.profile,
+            "duration": f"{self.trajectory.duration:g} s",
+            "payload": "none" if self.robot.payload is None else f"{self.robot.payload.mass:g} kg",
+            "joints": self.robot.n_joints,
+        }
 
 
 @final

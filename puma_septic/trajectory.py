@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from puma_septic.document import card, one_line
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Extrema, Jumps, Piecewise
 from puma_septic.piecewise.directions import STILL, find_directions
@@ -307,3 +308,19 @@ class Trajectory:
         """
         size, speed = (self.derivative(order).bounds().max(axis=0) for order in (0, 1))
         return np.asarray(_SAME * size + 4 * np.spacing(self.duration) * speed)
+
+    def __repr__(self) -> str:
+        return one_line("Trajectory", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Trajectory", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "profile": self.profile,
+            "joints": self.n_joints,
+            "points": len(self.points),
+            "from": f"{self.breaks[0]:g} s",
+            "to": f"{self.breaks[-1]:g} s",
+            "intervals": len(self.breaks) - 1,
+        }

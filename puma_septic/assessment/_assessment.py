@@ -14,7 +14,7 @@ from puma_septic.assessment._limits import limit_checks, unknown_values
 from puma_septic.assessment._lowest import LowestPoint, lowest_point
 from puma_septic.assessment._tool import ToolMetrics, tool_metrics
 from puma_septic.doctor import doubts
-from puma_septic.document import SCHEMAS, plain
+from puma_septic.document import SCHEMAS, frame, one_line, plain
 from puma_septic.errors import InputError
 from puma_septic.limit_check import LimitCheck, most_used_first
 from puma_septic.motion import Motion, compute_motion
@@ -349,6 +349,32 @@ class Assessment:
 
     def _repr_html_(self) -> str:
         return view.html(self.to_dict())
+
+    def __repr__(self) -> str:
+        return one_line("Assessment", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "robot": self.motion.robot.name,
+            "profile": self.motion.trajectory.profile,
+            "duration": f"{self.motion.trajectory.duration:g} s",
+            "verdict": self.verdict,
+        }
+
+    def to_dataframe(self) -> Any:
+        """The metrics of each joint as a pandas DataFrame, one row a joint.
+
+        Returns
+        -------
+        pandas.DataFrame
+            In SI units; NaN where a number is not known.
+
+        Raises
+        ------
+        ImportError
+            Where pandas is not installed: ``python -m pip install 'puma-septic[pandas]'``.
+        """
+        return frame(self.to_dict()["joints"], index="name").drop(columns="checks", errors="ignore")
 
 
 def assess(

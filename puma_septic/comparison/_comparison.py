@@ -12,7 +12,7 @@ import numpy as np
 
 from puma_septic.assessment import Assessment
 from puma_septic.comparison._advice import Candidate, advice_of, ranked, recommended
-from puma_septic.document import SCHEMAS, plain
+from puma_septic.document import SCHEMAS, card, frame, one_line, plain
 from puma_septic.objectives import Objective, non_dominated
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_choice
@@ -154,6 +154,20 @@ class ComparedProfile:
             "notes": list(self.notes),
         }
 
+    def __repr__(self) -> str:
+        return one_line("ComparedProfile", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("ComparedProfile", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "profile": self.name,
+            "duration": f"{self.duration:g} s",
+            "verdict": self.assessment.verdict,
+            "notes": ", ".join(self.notes) or "none",
+        }
+
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -258,3 +272,43 @@ class Comparison:
 
     def _repr_html_(self) -> str:
         return view.html(self.to_dict())
+
+    def __repr__(self) -> str:
+        return one_line("Comparison", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "robot": self.profiles[0].assessment.motion.robot.name,
+            "profiles": len(self.profiles),
+            "advice": self.advice,
+        }
+
+    def to_dataframe(self) -> Any:
+        """The metrics of each profile as a pandas DataFrame, one row a profile, the best first.
+
+        Returns
+        -------
+        pandas.DataFrame
+            In SI units; NaN where a number is not known.
+
+        Raises
+        ------
+        ImportError
+            Where pandas is not installed: ``python -m pip install 'puma-septic[pandas]'``.
+        """
+        return frame(_overall(self), index="profile")
+
+
+def _overall(comparison: Comparison) -> list[dict[str, Any]]:
+    """What `Comparison.to_dataframe` has of each profile."""
+    return [
+        {
+            "profile": row.name,
+            "is_feasible": row.assessment.is_feasible,
+            "meets_points": row.meets_points,
+            "stops_at_vias": row.stops_at_vias,
+            "duration": row.duration,
+            **row.overall,
+        }
+        for row in map(comparison.__getitem__, comparison.ranking)
+    ]

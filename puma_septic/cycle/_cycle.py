@@ -25,6 +25,7 @@ from puma_septic.cycle._steps import (
     tool_travel,
     wrenches,
 )
+from puma_septic.document import card, one_line
 from puma_septic.motion import Motion, compute_motion, joined
 from puma_septic.piecewise import Jumps, Piecewise
 from puma_septic.robot import Robot
@@ -62,7 +63,7 @@ class Cycle:
     (3.0, False)
     """
 
-    steps: tuple[Motion | Dwell, ...]
+    steps: tuple[Motion | Dwell, ...] = field(kw_only=False)
     _stretches: tuple[Stretch, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -210,6 +211,20 @@ class Cycle:
     def _sequence(self, functions: Sequence[Piecewise]) -> Piecewise:
         """Functions that each begin at 0, one after the other."""
         return Piecewise.sequence(functions)
+
+    def __repr__(self) -> str:
+        return one_line("Cycle", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Cycle", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "robot": self.robot.name,
+            "steps": len(self.steps),
+            "duration": f"{self.duration:g} s",
+            "repeats": "yes" if self.is_periodic else "no",
+        }
 
 
 def _rests(step: Motion | Dwell, side: str) -> bool:

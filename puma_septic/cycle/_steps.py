@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final, final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from puma_septic.document import card, one_line
 from puma_septic.dynamics import check_inertia, inverse_dynamics, joint_wrenches, mass_matrix
 from puma_septic.errors import InputError
 from puma_septic.kinematics import jacobian
@@ -53,7 +54,7 @@ class Dwell:
         ``Payload(mass=0.0)``.
     """
 
-    duration: float
+    duration: float = field(kw_only=False)
     holding_brake: bool = False
     payload: Payload | None = None
 
@@ -61,6 +62,16 @@ class Dwell:
         object.__setattr__(self, "duration", checked_number("dwell duration", self.duration, unit="s", above=0.0))
         if not isinstance(self.holding_brake, bool):
             raise InputError(f"holding_brake = {self.holding_brake!r}: expected True or False")
+
+    def __repr__(self) -> str:
+        return one_line("Dwell", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Dwell", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        held = {} if self.payload is None else {"payload": f"{self.payload.mass:g} kg"}
+        return {"duration": f"{self.duration:g} s", "brake": "on" if self.holding_brake else "off", **held}
 
 
 @final

@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from puma_septic.document import card, one_line
 from puma_septic.drives._drive import Drive
 from puma_septic.drives._drivetrain import Drivetrain
 from puma_septic.drives._gearbox import Gearbox
@@ -149,6 +150,20 @@ class Catalogue:
     def _sums(self, name: str) -> Array:
         motors, gearboxes = (np.array([getattr(part, name) for part in kind]) for kind in (self.motors, self.gearboxes))
         return checked_array(name, motors[self.motor_index] + gearboxes[self.gearbox_index], (None,), allow_nan=True)
+
+    def __repr__(self) -> str:
+        return one_line("Catalogue", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Catalogue", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "motors": len(self.motors),
+            "gearboxes": len(self.gearboxes),
+            "pairs": self.n_pairs,
+            "drives": len(self.drives),
+        }
 
 
 def _places(kind: str, parts: Sequence[Motor | Gearbox]) -> dict[str, int]:

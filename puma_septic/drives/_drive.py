@@ -7,6 +7,7 @@ from typing import final
 
 import numpy as np
 
+from puma_septic.document import card, known, one_line
 from puma_septic.drives._part_checks import NOT_NEGATIVE, POSITIVE, check_texts, check_values
 
 __all__ = ["Drive"]
@@ -60,3 +61,25 @@ class Drive:
         }  # fmt: skip
         check_values(self, positive, POSITIVE)
         check_values(self, {"storable_energy": "J", "mass": "kg", "cost": ""}, NOT_NEGATIVE)
+
+    def __repr__(self) -> str:
+        return one_line("Drive", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Drive", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return known(
+            self,
+            {
+                "name": "",
+                "bus_voltage": "V",
+                "continuous_current": "A",
+                "peak_current": "A",
+                "continuous_power": "W",
+                "peak_power": "W",
+                "mass": "kg",
+                "cost": "",
+                "source": "",
+            },
+        )

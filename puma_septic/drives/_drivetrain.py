@@ -7,6 +7,7 @@ from typing import final
 
 import numpy as np
 
+from puma_septic.document import card, known, one_line
 from puma_septic.drives._drive import Drive
 from puma_septic.drives._gearbox import Gearbox
 from puma_septic.drives._motor import Motor
@@ -228,3 +229,16 @@ class Drivetrain:
         if self.measured_friction is None and np.isnan(backward) and not np.isnan(forward):
             return (f"backward efficiency of the gears as forward: {forward:g}",)
         return ()
+
+    def __repr__(self) -> str:
+        return one_line("Drivetrain", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Drivetrain", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "motor": self.motor.name or "unnamed",
+            "gearbox": self.gearbox.name or "unnamed",
+            **known(self, {"ratio": "", "reflected_inertia": "kg m^2", "max_effort": "N m"}),
+        }

@@ -7,6 +7,7 @@ from typing import Final, final
 
 import numpy as np
 
+from puma_septic.document import card, known, one_line
 from puma_septic.drives._part_checks import (
     BACKWARD_SHARE,
     NOT_NEGATIVE,
@@ -232,3 +233,26 @@ class Gearbox:
         ends = np.concatenate([[0.0], self.stiffness_torques, [np.inf]])
         parts = np.clip(abs(torque), ends[:-1], ends[1:]) - ends[:-1]
         return float(np.sign(torque) * (parts / self.stiffness).sum())
+
+    def __repr__(self) -> str:
+        return one_line("Gearbox", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Gearbox", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return known(
+            self,
+            {
+                "name": "",
+                "ratio": "",
+                "efficiency": "",
+                "inertia": "kg m^2",
+                "rated_torque": "N m",
+                "max_repeated_torque": "N m",
+                "max_input_speed": "rad/s",
+                "mass": "kg",
+                "cost": "",
+                "source": "",
+            },
+        )

@@ -7,6 +7,7 @@ from typing import Final, final
 
 import numpy as np
 
+from puma_septic.document import card, known, one_line
 from puma_septic.drives._part_checks import (
     ABSOLUTE_ZERO_CELSIUS,
     NOT_NEGATIVE,
@@ -315,3 +316,26 @@ class Motor:
     def reactance_constant(self) -> float:
         """``pole_pairs inductance`` between two lines, V s/(rad A): times the speed the reactance; unknown is 0."""
         return float(np.nan_to_num(self.pole_pairs * self.inductance * WINDINGS[self.winding]))
+
+    def __repr__(self) -> str:
+        return one_line("Motor", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Motor", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return known(
+            self,
+            {
+                "name": "",
+                "rotor_inertia": "kg m^2",
+                "peak_torque": "N m",
+                "continuous_torque": "N m",
+                "max_speed": "rad/s",
+                "torque_constant": "N m/A",
+                "resistance": "ohm",
+                "mass": "kg",
+                "cost": "",
+                "source": "",
+            },
+        )

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from puma_septic.assessment import Assessment, LimitCheck, assess
+from puma_septic.document import card, one_line
 from puma_septic.gate._reasons import DRIVE_VALUES, Reason, checked_allowances, verdict_of
 from puma_septic.limits import AT_REST
 from puma_septic.quantities import MAGNITUDES, QUANTITIES
@@ -79,6 +80,19 @@ class TrajectoryCheck:
 
     def __str__(self) -> str:
         return gate.text(self.to_dict())
+
+    def __repr__(self) -> str:
+        return one_line("TrajectoryCheck", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("TrajectoryCheck", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "verdict": self.verdict,
+            "reasons": len(self.reasons),
+            "worst": "none" if self.worst is None else str(self.worst),
+        }
 
 
 def check_trajectory(

@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from puma_septic.document import one_line
 from puma_septic.errors import InputError, ModelError, NoSolution
 from puma_septic.kinematics._chain import chain_to, checked_joint_values, end_frame
 from puma_septic.kinematics._closed_form import (
@@ -98,6 +99,16 @@ class IkSolutions:
             ],
             caption=f"Inverse kinematics, {self.extent}: joint positions in rad (prismatic joints: m)",
         )
+
+    def __repr__(self) -> str:
+        return one_line("IkSolutions", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "branches": ", ".join(self.configurations),
+            "within limits": int(self.within_limits.sum()),
+            "extent": self.extent,
+        }
 
 
 @final

@@ -11,7 +11,7 @@ from typing import Any, Final, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from puma_septic.document import SCHEMAS, plain
+from puma_septic.document import SCHEMAS, card, one_line, plain
 from puma_septic.errors import InputError
 from puma_septic.objectives import Candidate, Objective, checked_objectives, non_dominated
 from puma_septic.optimisation._problem import (
@@ -115,6 +115,19 @@ class ParetoFront:
         head = f"{self.start.profile}: Pareto front over the via times"
         reached = wrap(f"Reached: {self.statement}.", 100)
         return "\n".join([head, "", text_table(headers, rows), "", *limits, *reached])
+
+    def __repr__(self) -> str:
+        return one_line("ParetoFront", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("ParetoFront", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "profile": self.start.profile,
+            "objectives": ", ".join(one.name for one in self.objectives),
+            "points": len(self.trajectories),
+        }
 
 
 def pareto_front(

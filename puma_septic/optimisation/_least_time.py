@@ -10,7 +10,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.document import SCHEMAS, plain
+from puma_septic.document import SCHEMAS, card, one_line, plain
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.limit_check import AT_LIMIT
 from puma_septic.objectives import Candidate
@@ -141,6 +141,19 @@ class LeastTime:
         nothing = np.full(self.trajectory.n_joints, np.nan)
         return {
             name: np.fmax(used.get(name, nothing), self.verdict.used(name)) for name in (*used, "effort", "position")
+        }
+
+    def __repr__(self) -> str:
+        return one_line("LeastTime", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("LeastTime", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "profile": self.trajectory.profile,
+            "duration": f"{self.duration:.6g} s",
+            "feasible": "yes" if self.is_feasible else "no",
         }
 
 

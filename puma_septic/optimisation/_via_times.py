@@ -11,7 +11,7 @@ from typing import Any, Final, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.document import SCHEMAS, plain
+from puma_septic.document import SCHEMAS, card, one_line, plain
 from puma_septic.objectives import Objective, checked_objectives
 from puma_septic.optimisation._analytic import SQUARES, best_free_values, gradient_by_times
 from puma_septic.optimisation._problem import (
@@ -125,6 +125,20 @@ class OptimisedTimes:
         limits = [] if self.verdict is None else [*self.verdict.sentence, ""]
         reached = wrap(f"Reached: {self._reached}.", 100)
         return "\n".join([head, "", text_table(headers, rows), "", *limits, *reached])
+
+    def __repr__(self) -> str:
+        return one_line("OptimisedTimes", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("OptimisedTimes", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "profile": self.trajectory.profile,
+            "objective": self.objective.name,
+            "improvement": f"{100 * self.improvement:.1f} %",
+            "times": [float(f"{t:.4g}") for t in self.times],
+        }
 
 
 def optimise_via_times(

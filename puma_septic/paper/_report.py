@@ -10,7 +10,7 @@ from typing import Any, Final, final
 
 import numpy as np
 
-from puma_septic.document import SCHEMAS, plain
+from puma_septic.document import SCHEMAS, card, one_line, plain
 from puma_septic.paper import _claims_of_motion, _claims_of_points, _claims_of_profiles
 from puma_septic.paper._claim import Claim
 from puma_septic.paper._evidence import TIME_STEP, Evidence, gather
@@ -125,6 +125,15 @@ class PaperReport:
             "\n\n".join(map(str, self.claims)),
         ]
         return "\n\n".join(parts)
+
+    def __repr__(self) -> str:
+        return one_line("PaperReport", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("PaperReport", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {"verdict": self.verdict}
 
 
 def reproduce(

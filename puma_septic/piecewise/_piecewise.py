@@ -9,6 +9,7 @@ from typing import ClassVar, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from puma_septic.document import card, one_line
 from puma_septic.errors import InputError, PumaSepticError
 from puma_septic.piecewise import matrices
 from puma_septic.piecewise._fitting import Intervals, fit_series
@@ -467,6 +468,21 @@ class Piecewise:
     __rmul__ = __mul__
     # An array on the left leaves the product to us, instead of multiplying element by element.
     __array_ufunc__: ClassVar[None] = None
+
+    def __repr__(self) -> str:
+        return one_line("Piecewise", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Piecewise", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "components": self.n_components,
+            "intervals": len(self.breaks) - 1,
+            "degree": self.degree,
+            "from": f"{self.start:g}",
+            "to": f"{self.start + self.duration:g}",
+        }
 
 
 def _checked_breaks(breaks: ArrayLike) -> Array:

@@ -7,6 +7,7 @@ from typing import Any, Final, final
 
 import numpy as np
 
+from puma_septic.document import card, known, one_line
 from puma_septic.drives import Drivetrain, Gearbox, Motor
 from puma_septic.errors import InputError
 from puma_septic.friction import Friction, checked_levels
@@ -124,4 +125,22 @@ class Actuator:
             motor=replace(train.motor, rotor_inertia=self.rotor_inertia, source=self.source),
             gearbox=replace(train.gearbox, ratio=self.gear_ratio),
             measured_friction=train.measured_friction if law.is_same(train.friction) else law,
+        )
+
+    def __repr__(self) -> str:
+        return one_line("Actuator", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Actuator", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return known(
+            self,
+            {
+                "gear_ratio": "",
+                "rotor_inertia": "kg m^2",
+                "viscous_friction": "N m s/rad",
+                "coulomb_friction": "N m",
+                "source": "",
+            },
         )

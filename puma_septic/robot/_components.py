@@ -7,6 +7,7 @@ from typing import Literal, final
 
 import numpy as np
 
+from puma_septic.document import card, known, one_line
 from puma_septic.errors import InputError
 from puma_septic.quantities import MAGNITUDES, QUANTITIES
 from puma_septic.validation import Array, checked_array, checked_choice, checked_number
@@ -62,6 +63,25 @@ class Limits:
             name for name, row in QUANTITIES.items() if not (row.is_optional and np.isnan(getattr(self, name)).all())
         )
 
+    def __repr__(self) -> str:
+        return one_line("Limits", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Limits", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return known(
+            self,
+            {
+                "position": "rad",
+                "velocity": "rad/s",
+                "acceleration": "rad/s^2",
+                "jerk": "rad/s^3",
+                "effort": "N m",
+                "source": "",
+            },
+        )
+
 
 @final
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -78,7 +98,7 @@ class Payload:
         About the centre of mass, tool axes, kg m^2; zero (a point mass) by default.
     """
 
-    mass: float
+    mass: float = field(kw_only=False)
     com: Array = field(default_factory=lambda: np.zeros(3))
     inertia: Array = field(default_factory=lambda: np.zeros((3, 3)))
 
@@ -96,6 +116,15 @@ class Payload:
                 " (each must be >= 0 and none larger than the sum of the other two)"
             )
         object.__setattr__(self, "inertia", inertia)
+
+    def __repr__(self) -> str:
+        return one_line("Payload", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Payload", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return known(self, {"mass": "kg", "com": "m", "inertia": "kg m^2"})
 
 
 @final
@@ -121,3 +150,12 @@ class Wrench:
         object.__setattr__(self, "force", checked_array("force", self.force, (3,), unit="N"))
         object.__setattr__(self, "torque", checked_array("torque", self.torque, (3,), unit="N m"))
         checked_choice("wrench axes", self.axes, ("tool", "world"))
+
+    def __repr__(self) -> str:
+        return one_line("Wrench", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Wrench", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return known(self, {"force": "N", "torque": "N m", "axes": ""})

@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from puma_septic.document import SCHEMAS, plain
+from puma_septic.document import SCHEMAS, one_line, plain
 from puma_septic.drives import Drivetrain
 from puma_septic.errors import InputError
 from puma_septic.friction import Friction
@@ -369,6 +369,17 @@ class Robot:
 
     def _repr_html_(self) -> str:
         return view.html(self.to_dict())
+
+    def __repr__(self) -> str:
+        return one_line("Robot", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "name": self.name,
+            "joints": self.n_joints,
+            "tool": self.tool,
+            "payload": "none" if self.payload is None else f"{self.payload.mass:g} kg",
+        }
 
 
 @lru_cache(maxsize=16)

@@ -11,7 +11,7 @@ import numpy as np
 
 from puma_septic.cycle import Cycle
 from puma_septic.doctor import doubts
-from puma_septic.document import SCHEMAS, plain
+from puma_septic.document import SCHEMAS, frame, one_line, plain
 from puma_septic.drives import Drivetrain, lacking
 from puma_septic.limit_check import LimitCheck, most_used_first
 from puma_septic.motion import Motion
@@ -373,6 +373,32 @@ class Sizing:
 
     def _repr_html_(self) -> str:
         return view.html(self.to_dict())
+
+    def __repr__(self) -> str:
+        return one_line("Sizing", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "robot": self.cycle.robot.name,
+            "steps": len(self.cycle.steps),
+            "duration": f"{self.cycle.duration:g} s",
+            "verdict": self.verdict,
+        }
+
+    def to_dataframe(self) -> Any:
+        """The demands and checks as a pandas DataFrame, one row for each joint and check.
+
+        Returns
+        -------
+        pandas.DataFrame
+            In SI units; NaN where a number is not known.
+
+        Raises
+        ------
+        ImportError
+            Where pandas is not installed: ``python -m pip install 'puma-septic[pandas]'``.
+        """
+        return frame(check for joint in self.to_dict()["joints"] for check in joint["checks"])
 
 
 def _numbers(d: Demands) -> dict[str, float]:

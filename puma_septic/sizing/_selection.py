@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, final
@@ -11,7 +11,7 @@ import numpy as np
 
 from puma_septic.cycle import Cycle
 from puma_septic.doctor import doubts
-from puma_septic.document import SCHEMAS, plain
+from puma_septic.document import SCHEMAS, frame, one_line, plain
 from puma_septic.drives import LEAST_SET, Catalogue
 from puma_septic.errors import InputError
 from puma_septic.sizing._candidates import Candidate
@@ -168,6 +168,32 @@ class Selection:
     def _repr_html_(self) -> str:
         return view.html(self.to_dict())
 
+    def __repr__(self) -> str:
+        return one_line("Selection", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "robot": self.cycle.robot.name,
+            "pairs": self.catalogue.n_pairs,
+            "ranked by": self.rank,
+            "verdict": self.verdict,
+        }
+
+    def to_dataframe(self) -> Any:
+        """The shown pairs as a pandas DataFrame, one row for each joint and pair, the best first.
+
+        Returns
+        -------
+        pandas.DataFrame
+            In SI units; NaN where a number is not known.
+
+        Raises
+        ------
+        ImportError
+            Where pandas is not installed: ``python -m pip install 'puma-septic[pandas]'``.
+        """
+        return frame(_kept_pairs(self.to_dict()))
+
 
 def select(
     cases: tuple[LoadCase, ...],
@@ -258,3 +284,8 @@ def _candidate_document(c: Candidate) -> dict[str, Any]:
         "optimal_ratio": None if window is None else plain(window.optimal),
         "ratio_window": None if window is None else [plain(window.least), plain(window.most)],
     }
+
+
+def _kept_pairs(document: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The kept pairs of all joints."""
+    return [{"joint": joint["name"], **pair} for joint in document["joints"] for pair in joint["kept"]]

@@ -9,6 +9,7 @@ import numpy as np
 
 from puma_septic import profiles
 from puma_septic.assessment import Assessment, assess
+from puma_septic.document import card, one_line
 from puma_septic.errors import InputError
 from puma_septic.robot import Robot
 from puma_septic.task._branches import Branch, Posed, are_all_branches, best_branch, branches_through
@@ -91,6 +92,21 @@ class ResolvedTask:
         alone = "" if others or floor is None else "; so it is in every other branch"
         part = self.branch.lowest.parts[k]
         return f"At {self.names[k]!r} {part} is {depth:.3g} m below {ground}{alone}{remedy}."
+
+    def __repr__(self) -> str:
+        return one_line("ResolvedTask", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("ResolvedTask", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "task": self.task.name,
+            "robot": self.robot.name,
+            "points": ", ".join(self.names),
+            "branch": self.branch.configuration,
+            "profiles": ", ".join(one.profile for one in self.trajectories),
+        }
 
 
 def resolve_task(task: Task) -> ResolvedTask:

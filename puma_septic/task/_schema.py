@@ -9,6 +9,7 @@ from typing import Annotated, Any, Final, Literal, final
 
 from pydantic import AfterValidator, Discriminator, Field, StrictBool, Tag, field_validator, model_validator
 
+from puma_septic.document import card, one_line
 from puma_septic.task._conditions import ConditionsSection, LoadCaseSection
 from puma_septic.task._fields import (
     LIST,
@@ -295,3 +296,17 @@ class Task(Section):
     def document(self) -> dict[str, Any]:
         """What the file said, JSON-ready; `parse_task` takes it back."""
         return self.model_dump(mode="json", exclude_unset=True)
+
+    def __repr__(self) -> str:
+        return one_line("Task", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Task", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "name": self.name,
+            "robot": self.robot.source,
+            "points": len(self.points),
+            "profiles": ", ".join(one.name for one in self.profiles),
+        }

@@ -14,6 +14,7 @@ from types import TracebackType
 from typing import final
 
 from puma_septic.assessment import Assessment, assess
+from puma_septic.document import one_line
 from puma_septic.errors import InputError
 from puma_septic.motion import Motion
 from puma_septic.viewer._page import page_html
@@ -72,6 +73,12 @@ class Replay:
             f'<iframe srcdoc="{escape(self.html)}" sandbox="allow-scripts" title="replay"'
             ' style="width:100%;height:640px;border:0"></iframe>'
         )
+
+    def __repr__(self) -> str:
+        return one_line("Replay", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {"url": self.url, "size": f"{len(self.html) / 1e6:.1f} MB"}
 
 
 def replay(

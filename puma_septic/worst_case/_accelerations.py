@@ -10,7 +10,7 @@ from typing import Any, Final, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.document import SCHEMAS, plain
+from puma_septic.document import SCHEMAS, card, one_line, plain
 from puma_septic.dynamics import check_inertia, check_plain_friction, check_uncoupled
 from puma_septic.errors import InputError
 from puma_septic.robot import Payload, Robot
@@ -132,6 +132,20 @@ class AccelerationLimits:
 
     def __str__(self) -> str:
         return view.text(self.to_dict())
+
+    def __repr__(self) -> str:
+        return one_line("AccelerationLimits", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("AccelerationLimits", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "robot": self.robot.name,
+            "guaranteed": [float(f"{value:.4g}") for value in self.guaranteed],
+            "governing joint": self.joint,
+            "certified to": f"{100 * self.gap:.2g} %",
+        }
 
 
 def acceleration_limits(

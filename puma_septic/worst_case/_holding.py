@@ -9,6 +9,7 @@ from typing import Final, final
 
 import numpy as np
 
+from puma_septic.document import card, one_line
 from puma_septic.dynamics import check_inertia, check_uncoupled, rigid_torque
 from puma_septic.robot import Payload, Robot
 from puma_septic.validation import Array, checked_number, read_only
@@ -50,6 +51,19 @@ class WorstHolding:
     def __post_init__(self) -> None:
         for name in ("region", "attained", "poses", "bound"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
+
+    def __repr__(self) -> str:
+        return one_line("WorstHolding", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("WorstHolding", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "robot": self.robot.name,
+            "attained": [float(f"{value:.4g}") for value in self.attained],
+            "bound": [float(f"{value:.4g}") for value in self.bound],
+        }
 
 
 def worst_holding_torque(

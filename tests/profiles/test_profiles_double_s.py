@@ -176,7 +176,7 @@ def test_missing_limits_are_named() -> None:
             double_s(points, **{**LIMITS, name: [1.0, np.nan]})
         with pytest.raises(InputError, match=rf"joint 1: {name} = 0 must be positive"):
             double_s(points, **{**LIMITS, name: 0.0})
-    with pytest.raises(InputError, match="double_s needs max_jerk in .*, which is unknown for all joints"):
+    with pytest.raises(InputError, match=r"double_s needs max_jerk in .*, which is unknown for all joints"):
         double_s(points, **{**LIMITS, "max_jerk": [np.nan, np.nan]}, joint_names=["a", "b"])
     with pytest.raises(InputError, match="double_s needs at least 2 points, got 1"):
         double_s(points[:1], **LIMITS)

@@ -104,6 +104,7 @@ def _answered(given: list[str]) -> int:
     except SystemExit as stop:  # argparse after --help, --version or a wrong argument
         return int(stop.code or 0)
     try:
+        arguments.typed = given
         check_out(arguments)
         asked_units(arguments)  # a wrong unit ends it before the work begins
         with (

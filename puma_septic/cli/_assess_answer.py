@@ -10,11 +10,11 @@ from pathlib import Path
 from puma_septic.assessment import Assessment
 from puma_septic.cli._assess_cycle import cycle_answer
 from puma_septic.cli._motion_file import check_place, write_motion
-from puma_septic.cli._output_arguments import with_report
+from puma_septic.cli._output_arguments import asked_units, origin, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._task_arguments import asked_task
 from puma_septic.cli._task_text import assessed_text, turned_text
-from puma_septic.pictures import assessment_pictures
+from puma_septic.pictures import assessment_pictures, in_units
 from puma_septic.report import assess_document, metrics_csv, new_folder, profile_labels, samples_csv, to_json
 from puma_septic.task import ResolvedTask, Task, assess_task, resolve_task
 
@@ -66,7 +66,9 @@ def _write_folder(arguments: Namespace, shown: Sequence[Assessed]) -> None:
     from puma_septic.report.svg import write_svg
 
     with new_folder(arguments.out, overwrite=arguments.force) as folder:
-        (folder / "report.html").write_text(tasks_html(shown), encoding="utf-8")
+        (folder / "report.html").write_text(
+            tasks_html(shown, made=origin(arguments), units=asked_units(arguments)), encoding="utf-8"
+        )
         (folder / "assessment.json").write_text(to_json(assess_document(shown)), encoding="utf-8")
         (folder / "metrics.csv").write_text(metrics_csv(shown), encoding="utf-8")
         for resolved, assessments in shown:
@@ -75,7 +77,7 @@ def _write_folder(arguments: Namespace, shown: Sequence[Assessed]) -> None:
             labels = profile_labels(assessments)
             for label, assessment in zip(labels, assessments, strict=True):
                 (inner / f"samples-{label}.csv").write_text(samples_csv(assessment), encoding="utf-8")
-            pictures = assessment_pictures(assessments, labels)
+            pictures = [in_units(one, asked_units(arguments)) for one in assessment_pictures(assessments, labels)]
             write_svg(inner, pictures)
             if not arguments.no_png:
                 from puma_septic.report.figures import write_png

@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from typing import TYPE_CHECKING
 
-from puma_septic.cli._output_arguments import add_format, add_out, add_verbose, with_report
+from puma_septic.cli._output_arguments import add_format, add_out, add_verbose, asked_units, origin, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._recording_arguments import add_recording
 from puma_septic.cli._task_arguments import add_dwell, add_payload, add_profile, add_task, asked_task
@@ -90,7 +90,8 @@ def _write_folder(arguments: Namespace, comparison: Comparison, title: str) -> N
     with new_folder(arguments.out, overwrite=arguments.force) as folder:
         (folder / "comparison.json").write_text(to_json(comparison.to_dict()), encoding="utf-8")
         (folder / "comparison.csv").write_text(comparison.to_csv(), encoding="utf-8")
-        (folder / "report.html").write_text(report_html(comparison, title=title), encoding="utf-8")
+        page = report_html(comparison, title=title, made=origin(arguments), units=asked_units(arguments))
+        (folder / "report.html").write_text(page, encoding="utf-8")
         pictures = [comparison_picture(comparison)]
         write_svg(folder, pictures)
         if not arguments.no_png:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from puma_septic.cli._numbers import count
-from puma_septic.cli._output_arguments import add_format, add_out
+from puma_septic.cli._output_arguments import add_format, add_out, asked_units, origin, with_report
 from puma_septic.cli._parser import Answer
 from puma_septic.cli._task_arguments import add_dwell, add_payload, add_profile, add_task, asked_task
 
@@ -80,7 +80,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--points", type=count, default=12, metavar="N", help="number of points on the Pareto front (default: 12)"
     )
     add_format(parser, "text", "json", "csv")
-    add_out(parser, "JSON and figures")
+    add_out(parser, "report.html, JSON and figures")
     parser.add_argument(
         "--write",
         metavar="FILE",
@@ -105,13 +105,13 @@ def run(arguments: Namespace) -> Answer:
         result = _optimised(resolved, arguments, progress)
     document = to_json(result.to_dict())
     if arguments.out is not None:
-        _write_folder(arguments, result, document)
+        _write_folder(arguments, result, document, resolved)
     if arguments.write is not None:
         _write_optimum(arguments, resolved, result)
     if arguments.format == "csv":
         return Answer(records_csv(_records(result.to_dict())), 0 if _is_feasible(result) else 1)
     text = document if arguments.format == "json" else f"Task {task.name!r}\n{result}"
-    return Answer(text, 0 if _is_feasible(result) else 1)
+    return Answer(with_report(text, arguments), 0 if _is_feasible(result) else 1)
 
 
 def _check_write(arguments: Namespace) -> None:
@@ -179,16 +179,26 @@ def _records(document: dict[str, Any]) -> list[dict[str, Any]]:
     ]
 
 
-def _write_folder(arguments: Namespace, result: Result, document: str) -> None:
-    """Document and figure."""
+def _write_folder(arguments: Namespace, result: Result, document: str, resolved: ResolvedTask) -> None:
+    """Report, document and figure."""
     # matplotlib takes longer to load than most optimisations take.
     from puma_septic.pictures.front import optimisation_picture
     from puma_septic.report import new_folder
     from puma_septic.report.figures import write_png
+    from puma_septic.report.page import optimised_html
     from puma_septic.report.svg import write_svg
 
     with new_folder(arguments.out, overwrite=arguments.force) as folder:
         (folder / "optimisation.json").write_text(document, encoding="utf-8")
+        page = optimised_html(
+            result,
+            resolved.robot,
+            dwell=resolved.task.dwell,
+            title=f"{resolved.task.name}: optimised",
+            made=origin(arguments),
+            units=asked_units(arguments),
+        )
+        (folder / "report.html").write_text(page, encoding="utf-8")
         pictures = [optimisation_picture(result)]
         write_svg(folder, pictures)
         if not arguments.no_png:

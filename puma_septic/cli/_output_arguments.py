@@ -17,6 +17,7 @@ __all__ = [
     "add_write",
     "asked_units",
     "check_out",
+    "origin",
     "with_report",
 ]
 
@@ -86,6 +87,25 @@ def asked_units(arguments: Namespace) -> Units:
         return Units.named(getattr(arguments, "show_in", ()))
     except InputError as error:
         raise InputError(f"--show-in: {error}") from error
+
+
+def origin(arguments: Namespace) -> dict[str, str]:
+    """Where a report comes from: date, command line, file and versions."""
+    import platform
+    import shlex
+    from datetime import datetime
+    from importlib.metadata import version
+
+    from puma_septic._version import __version__
+
+    file = getattr(arguments, "csv", None) or getattr(arguments, "task", None)
+    libraries = ", ".join(f"{name} {version(name)}" for name in ("pin", "numpy", "scipy"))
+    return {
+        "made": datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z"),
+        "command": shlex.join(["puma-septic", *getattr(arguments, "typed", ())]),
+        **({"file": str(file)} if file else {}),
+        "with": f"puma-septic {__version__}, Python {platform.python_version()}, {libraries}",
+    }
 
 
 def _names(text: str) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-from puma_septic.cli._output_arguments import add_format, add_out, add_verbose, with_report
+from puma_septic.cli._output_arguments import add_format, add_out, add_verbose, asked_units, origin, with_report
 from puma_septic.cli._parser import Answer
 
 __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]
@@ -41,7 +41,9 @@ def run(arguments: Namespace) -> Answer:
         with new_folder(arguments.out, overwrite=arguments.force) as folder:
             (folder / "paper.json").write_text(document, encoding="utf-8")
             (folder / "paper.txt").write_text(f"{report}\n", encoding="utf-8")
-            (folder / "report.html").write_text(report_html(report), encoding="utf-8")
+            (folder / "report.html").write_text(
+                report_html(report, made=origin(arguments), units=asked_units(arguments)), encoding="utf-8"
+            )
             for name, figure in ({} if arguments.no_png else paper_figures(report)).items():
                 save_figure(figure, folder / name)
     if arguments.format == "csv":

@@ -10,7 +10,7 @@ import numpy as np
 
 from puma_septic._version import __version__
 from puma_septic.assessment import Assessment, assess
-from puma_septic.cli._output_arguments import with_report
+from puma_septic.cli._output_arguments import asked_units, origin, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._task_arguments import asked_robot
 from puma_septic.cli._task_text import details, margin_text, wrapped
@@ -239,14 +239,22 @@ def _document(what: Recorded, assessment: Assessment, measured: list[MeasuredTor
 
 def _write_folder(arguments: Namespace, assessment: Assessment, document: str, notes: list[str]) -> None:
     # Templates and the replay's libraries take longer to load than a motion to assess; matplotlib far longer.
-    from puma_septic.pictures import assessment_pictures
+    from puma_septic.pictures import assessment_pictures, in_units
     from puma_septic.report.page import report_html
     from puma_septic.report.svg import write_svg
 
-    pictures = assessment_pictures([assessment], profile_labels([assessment]))
+    shown = assessment_pictures([assessment], profile_labels([assessment]))
+    pictures = [in_units(one, asked_units(arguments)) for one in shown]
     with new_folder(arguments.out, overwrite=arguments.force) as folder:
         (folder / "report.html").write_text(
-            report_html(assessment, title=str(arguments.csv), notes=notes), encoding="utf-8"
+            report_html(
+                assessment,
+                title=str(arguments.csv),
+                notes=notes,
+                made=origin(arguments),
+                units=asked_units(arguments),
+            ),
+            encoding="utf-8",
         )
         (folder / "assessment.json").write_text(document, encoding="utf-8")
         (folder / "metrics.csv").write_text(named_metrics_csv([(str(arguments.csv), [assessment])]), encoding="utf-8")

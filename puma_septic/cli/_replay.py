@@ -24,7 +24,7 @@ SUMMARY = "the arm in motion, in the browser or as one HTML file"
 DESCRIPTION = """\
 Show the profiles of a task as an arm that moves: the first one solid, further ones as ghosts.
 
-Links are coloured by torque utilisation, the tool's path by its speed; violated limits and singular postures are
+Links are coloured by torque utilisation, paths by profile; violated limits and singular postures are
 marked. Without --html it is served to browsers on this machine until Ctrl-C. Exit code: 0 shown or written, 2 bad
 input."""
 
@@ -51,14 +51,14 @@ def run(arguments: Namespace) -> Answer:
     from puma_septic.errors import InputError
     from puma_septic.viewer import replay, write_replay
 
-    assessments, title = _shown(arguments)
+    assessments, title, names = _shown(arguments)
     if arguments.html is not None:
         if Path(arguments.html).exists() and not arguments.force:
             raise InputError(f"{arguments.html} exists; name another file, or --force replaces it")
-        path = write_replay(arguments.html, assessments, title=title)
+        path = write_replay(arguments.html, assessments, title=title, point_names=names)
         return Answer(f"{path}: {path.stat().st_size / 1e6:.1f} MB, works offline; open it in a browser", 0)
     wanted = False if arguments.no_browser else None
-    with replay(assessments, title=title, open_browser=wanted, port=arguments.port) as page:
+    with replay(assessments, title=title, point_names=names, open_browser=wanted, port=arguments.port) as page:
         where = "in the browser" if page.browser_opened else "open it in a browser on this machine"
         taken = f"port {arguments.port} is taken: " if arguments.port and f":{arguments.port}/" not in page.url else ""
         with suppress(KeyboardInterrupt):  # at any moment after the address is out
@@ -68,8 +68,8 @@ def run(arguments: Namespace) -> Answer:
     return Answer("replay ended", 0)
 
 
-def _shown(arguments: Namespace) -> tuple[Sequence[Assessment], str]:
-    """The profiles of a task, or the motion of a file, and their title."""
+def _shown(arguments: Namespace) -> tuple[Sequence[Assessment], str, Sequence[str]]:
+    """The profiles of a task, or the motion of a file, their title and the names of the points."""
     from puma_septic.assessment import assess
     from puma_septic.errors import InputError
     from puma_septic.task import assess_task, resolve_cycle, resolve_task
@@ -80,10 +80,10 @@ def _shown(arguments: Namespace) -> tuple[Sequence[Assessment], str]:
         from puma_septic.cli._recorded import recorded
 
         what = recorded(arguments)
-        return [assess(what.motion)], f"{what.path}, {what.robot.name}"
+        return [assess(what.motion)], f"{what.path}, {what.robot.name}", ()
     task = asked_task(arguments, "paper", profiles=arguments.profile)
     if task.cycle:
         cycle = resolve_cycle(task)
-        return [cycle.assess().whole], f"{task.name}, {cycle.robot.name}"
+        return [cycle.assess().whole], f"{task.name}, {cycle.robot.name}", ()
     resolved = resolve_task(task)
-    return assess_task(resolved), f"{resolved.task.name}, {resolved.robot.name}"
+    return assess_task(resolved), f"{resolved.task.name}, {resolved.robot.name}", resolved.names

@@ -10,7 +10,7 @@ from typing import Any, Final, final
 from puma_septic._version import __version__
 from puma_septic.assessment import assess
 from puma_septic.cli._condition_arguments import CONDITIONS
-from puma_septic.cli._output_arguments import with_report
+from puma_septic.cli._output_arguments import origin, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._task_arguments import asked_task
 from puma_septic.cli._task_text import wrapped
@@ -243,7 +243,8 @@ def _write_folder(arguments: Namespace, found: Sizing | Selection, document: dic
         from puma_septic.report.page import report_html
         from puma_septic.report.svg import write_svg
 
-        (folder / "report.html").write_text(report_html(found, title=title, document=document), encoding="utf-8")
+        page = report_html(found, title=title, document=document, made=origin(arguments))
+        (folder / "report.html").write_text(page, encoding="utf-8")
         if isinstance(found, Selection):
             (folder / "pairs.csv").write_text(pairs_csv(found), encoding="utf-8")
             (folder / "bill-of-material.csv").write_text(bill_csv(document), encoding="utf-8")

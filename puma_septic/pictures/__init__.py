@@ -23,6 +23,7 @@ from puma_septic.pictures._motion import (
 )
 from puma_septic.pictures._samples import Samples, Track, samples_of, track_of
 from puma_septic.pictures._styles import HUES, LIMIT, PROFILES, Dot, Fill, Hue, Line, cause_lines, profile_line
+from puma_septic.pictures._units import in_units
 from puma_septic.pictures._utilisation import utilisation_picture
 
 __all__ = [
@@ -48,6 +49,7 @@ __all__ = [
     "cause_lines",
     "chart",
     "derivative_picture",
+    "in_units",
     "motion_pictures",
     "profile_entries",
     "profile_line",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final, final
 
 from markupsafe import Markup
@@ -13,12 +13,15 @@ from puma_septic.comparison import Comparison
 from puma_septic.cycle import CycleAssessment
 from puma_septic.errors import InputError
 from puma_septic.motion import Motion
+from puma_septic.optimisation import LeastTime, OptimisedTimes, ParetoFront
 from puma_septic.paper import PaperReport
 from puma_septic.pictures import Picture
 from puma_septic.pictures.comparison import comparison_picture
 from puma_septic.pictures.execution import execution_pictures
+from puma_septic.pictures.front import optimisation_picture
 from puma_septic.pictures.sizing import sizing_pictures
 from puma_septic.report._documents import profile_labels
+from puma_septic.robot import Robot
 from puma_septic.simulation import Execution, Simulation
 from puma_septic.sizing import LoadCase, Selection, Sizing
 from puma_septic.task import ResolvedTask, Task
@@ -28,8 +31,9 @@ from puma_septic.views import selection as selection_view
 from puma_septic.views.cycle import steps_html
 from puma_septic.views.tables import html_table
 
-__all__ = ["Case", "Reported", "case_of", "cycle_cases", "reason", "task_case"]
+__all__ = ["Case", "Optimised", "Reported", "case_of", "cycle_cases", "optimised_case", "reason", "task_case"]
 
+Optimised = OptimisedTimes | ParetoFront | LeastTime
 Reported = (
     Assessment | Sequence[Assessment] | Comparison | CycleAssessment | Execution | Sizing | Selection | PaperReport
 )
@@ -68,6 +72,8 @@ class Case:
         Of a cycle.
     no_replay : str
         Why there is no replay here; "" where there is one.
+    heading : str
+        What stands above the sentence instead of "feasible" or "infeasible".
     """
 
     title: str
@@ -83,10 +89,13 @@ class Case:
     is_undecided: bool = False
     task: Task | None = None
     no_replay: str = ""
+    heading: str = ""
 
     @property
     def word(self) -> str:
-        """The verdict in a word, and that it rests on doubtful data if it does."""
+        """The verdict in a word, and that it rests on doubtful data if it does, or what stands in its place."""
+        if self.heading:
+            return self.heading
         if self.is_undecided or any(one.undecided for one in self.assessments):
             return "undecided"
         word = "feasible" if self.is_feasible else "infeasible"
@@ -213,20 +222,21 @@ def _plain_case(group: tuple[Assessment, ...], title: str | None, preface: str =
 
 
 def _comparison_case(comparison: Comparison, title: str | None) -> Case:
-    """All profiles in the tables; as many as there are colours are drawn, first the Pareto-optimal ones."""
+    """All profiles in the tables; as many as there are colours are drawn: those advised, the task's own, the best."""
     rows = comparison.profiles
-    best = [row for row in rows if row.name in comparison.pareto_optimal]
-    drawn = [*best, *(row for row in rows if row not in best)][:_MOST_DRAWN]
+    names = list(dict.fromkeys([*comparison.recommended, *comparison.own, *comparison.ranking]))
+    kept = max(_MOST_DRAWN, len({*comparison.recommended, *comparison.own}))
+    drawn = [comparison[name] for name in names[:kept]]
     note = ""
     if len(drawn) < len(rows):
-        note = f"<p>Drawn below, of {len(rows)}: the Pareto-optimal ones first, at most {_MOST_DRAWN}.</p>"
+        note = f"<p>Drawn, of {len(rows)}: those that are advised, those of the task, the best of the others.</p>"
     every = [row.assessment for row in rows]
     return Case(
         title=_titled(every, title),
         assessments=tuple(row.assessment for row in drawn),
         labels=[row.name for row in drawn],
         is_feasible=any(one.is_feasible for one in every),
-        sentence=_sentence(every, [row.name for row in rows]),
+        sentence=comparison.advice,
         preface=_boxed(comparison._repr_html_() + note),
         pictures=(comparison_picture(comparison),),
     )
@@ -258,6 +268,29 @@ def _execution_case(execution: Execution, title: str | None) -> Case:
 def _executed_and_planned(name: str, simulation: Simulation) -> list[tuple[str, Trajectory]]:
     planned = (f"{name}, planned", simulation.trajectory)
     return [planned] if simulation.has_diverged else [(f"{name}, executed", simulation.executed), planned]
+
+
+def optimised_case(found: Optimised, robot: Robot, title: str | None, *, dwell: float = 0.0) -> Case:
+    """The motion that was given and those that were found, assessed; of a front as many as there are colours."""
+    if isinstance(found, ParetoFront):
+        count = len(found.trajectories)
+        chosen = sorted({round(k * (count - 1) / max(1, _MOST_DRAWN - 2)) for k in range(_MOST_DRAWN - 1)})
+        motions = [found.start, *(found.trajectories[k] for k in chosen)]
+        labels = ["given", *(f"point {k + 1}" for k in chosen)]
+    else:
+        motions = [*([found.start] if found.start is not None else []), found.trajectory]
+        labels = [*(["given"] if found.start is not None else []), "optimum"]
+    group = tuple(assess(robot, one, dwell=dwell) for one in motions)
+    head, _, rest = str(found).partition("\n")
+    return Case(
+        title=_titled(group, title),
+        assessments=group,
+        labels=labels,
+        is_feasible=all(one.is_feasible for one in group[-1 if len(labels) < 3 else 1 :]),
+        sentence=f"{head}. {_sentence(group, labels)}",
+        preface=Markup("<pre>{}</pre>").format(rest.strip()),
+        pictures=(optimisation_picture(found),),
+    )
 
 
 def _sizing_case(sizing: Sizing, title: str | None, document: Mapping[str, Any]) -> Case:
@@ -315,7 +348,8 @@ def _paper_case(report: PaperReport, title: str | None) -> Case:
         for claim in report.claims
     ]
     claims = html_table(["", "claim", "verdict", "why"], rows, caption="The paper's claims, judged")
-    return _plain_case(group, "The paper's claims" if title is None else title, _boxed(claims))
+    case = _plain_case(group, "The paper's claims" if title is None else title, _boxed(claims))
+    return replace(case, sentence=f"{report.verdict}. {case.sentence}", heading="Claims judged")
 
 
 def _boxed(html: str) -> Markup:

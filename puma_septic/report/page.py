@@ -14,9 +14,13 @@ from puma_septic._version import __version__
 from puma_septic.assessment import Assessment
 from puma_septic.cycle import CycleAssessment
 from puma_septic.errors import InputError, ModelError
+from puma_septic.limit_check import most_used_first
 from puma_septic.pictures import (
+    Bar,
     Entry,
+    Panel,
     Picture,
+    in_units,
     motion_pictures,
     profile_entries,
     samples_of,
@@ -24,14 +28,18 @@ from puma_septic.pictures import (
     utilisation_picture,
 )
 from puma_septic.report._rendering import render
-from puma_septic.report._sections import Case, Reported, case_of, cycle_cases, task_case
+from puma_septic.report._sections import Case, Optimised, Reported, case_of, cycle_cases, optimised_case, task_case
+from puma_septic.robot import Robot
 from puma_septic.task import ResolvedTask, Task
 from puma_septic.viewer import replay_html
 from puma_septic.views import assessment as assessment_view
 from puma_septic.views import profiles as profiles_view
+from puma_septic.views.units import SI, Units
 
-__all__ = ["cycle_html", "report_html", "tasks_html", "write_report"]
+__all__ = ["cycle_html", "optimised_html", "report_html", "tasks_html", "write_report"]
 
+# Charts of what governs, side by side.
+_GOVERNING: Final = 3
 # Digits of instants: a microsecond is far below what a picture shows.
 _DIGITS: Final = 6
 
@@ -49,6 +57,8 @@ class Section:
     utilisation: Picture
     replay: str
     no_replay: str
+    joints: tuple[str, ...]
+    governing: tuple[Panel, ...]
     pictures: tuple[Picture, ...]
     tables: list[tuple[str, Markup]]
     not_assessed: list[str]
@@ -59,6 +69,11 @@ class Section:
     span: tuple[float, float]
     times: list[list[float]]
 
+    @staticmethod
+    def worst(panel: Panel, joint: str) -> Bar:
+        """The longest bar of a joint: the profile that uses most of the limit."""
+        return max(panel.row_bars(panel.rows.index(joint)), key=lambda bar: (bar.is_violated, bar.length))
+
 
 def report_html(
     what: Reported,
@@ -66,6 +81,8 @@ def report_html(
     title: str | None = None,
     notes: Sequence[str] = (),
     document: Mapping[str, Any] | None = None,
+    made: Mapping[str, str] | None = None,
+    units: Units = SI,
 ) -> str:
     """The report of a motion, or of several side by side, as one HTML page.
 
@@ -83,6 +100,10 @@ def report_html(
         What else a reader must know, such as how a log was read; it stands below the verdict.
     document : mapping, optional
         Of a sizing or selection: its document with what repeats it, which stands among the inputs.
+    made : mapping, optional
+        Where the report comes from, such as the date, the file and the command line; it stands below the title.
+    units : Units
+        Of angles and speeds in tables and charts.
 
     Returns
     -------
@@ -107,7 +128,7 @@ def report_html(
     if notes:
         items = Markup("").join(Markup("<li>{}</li>").format(note) for note in notes)
         case = replace(case, preface=Markup("<ul>{}</ul>").format(items) + case.preface)
-    return _page(case.title, [_section(case)])
+    return _page(case.title, [_section(case, units)], made)
 
 
 def write_report(path: str | Path, what: Reported, *, title: str | None = None) -> Path:
@@ -136,7 +157,41 @@ def write_report(path: str | Path, what: Reported, *, title: str | None = None) 
     return target
 
 
-def tasks_html(tasks: Sequence[tuple[ResolvedTask, Sequence[Assessment]]]) -> str:
+def optimised_html(
+    found: Optimised,
+    robot: Robot,
+    *,
+    dwell: float = 0.0,
+    title: str | None = None,
+    made: Mapping[str, str] | None = None,
+    units: Units = SI,
+) -> str:
+    """The report of an optimisation: the given motion beside those that were found, assessed in full.
+
+    Parameters
+    ----------
+    found : OptimisedTimes, ParetoFront or LeastTime
+    robot : Robot
+        That carries the motions out.
+    dwell : float
+        Rest after the motion, in the root mean squares, s.
+    title, made, units
+        As of `report_html`.
+
+    Returns
+    -------
+    str
+    """
+    case = optimised_case(found, robot, title, dwell=dwell)
+    return _page(case.title, [_section(case, units)], made)
+
+
+def tasks_html(
+    tasks: Sequence[tuple[ResolvedTask, Sequence[Assessment]]],
+    *,
+    made: Mapping[str, str] | None = None,
+    units: Units = SI,
+) -> str:
     """The report of assessed tasks, with the inputs of each as a task file.
 
     Raises
@@ -146,39 +201,52 @@ def tasks_html(tasks: Sequence[tuple[ResolvedTask, Sequence[Assessment]]]) -> st
     """
     if not tasks:
         raise InputError("a report needs at least one task")
-    sections = [_section(task_case(resolved, assessments)) for resolved, assessments in tasks]
-    return _page(" and ".join(section.case.title for section in sections), sections)
+    sections = [_section(task_case(resolved, assessments), units) for resolved, assessments in tasks]
+    return _page(" and ".join(section.case.title for section in sections), sections, made)
 
 
-def cycle_html(assessed: CycleAssessment, *, title: str | None = None, task: Task | None = None) -> str:
+def cycle_html(
+    assessed: CycleAssessment,
+    *,
+    title: str | None = None,
+    task: Task | None = None,
+    made: Mapping[str, str] | None = None,
+    units: Units = SI,
+) -> str:
     """The report of a cycle: the whole first, then each of its motions, the governing one first."""
-    sections = [_section(case) for case in cycle_cases(assessed, title, task)]
-    return _page(sections[0].case.title, sections)
+    sections = [_section(case, units) for case in cycle_cases(assessed, title, task)]
+    return _page(sections[0].case.title, sections, made)
 
 
-def _page(title: str, sections: Sequence[Section]) -> str:
-    return render("page.html.j2", title=title, sections=sections, version=__version__)
+def _page(title: str, sections: Sequence[Section], made: Mapping[str, str] | None) -> str:
+    return render("page.html.j2", title=title, sections=sections, version=__version__, made=made or {})
 
 
-def _section(case: Case) -> Section:
+def _section(case: Case, units: Units) -> Section:
     assessments, labels, resolved = case.assessments, case.labels, case.resolved
     task = case.task if resolved is None else resolved.task
     group = [samples_of(one, label) for one, label in zip(assessments, labels, strict=True)]
     documents = [one.to_dict() for one in assessments]
     replay, no_replay = _replay(case)
     repeat, inputs = _inputs(case)
+    pictures = tuple(in_units(picture, units) for picture in motion_pictures(group))
+    case = replace(case, sentence=units.prose(case.sentence), reason=units.prose(case.reason))
     return Section(
         case=case,
         description="" if task is None else " ".join(task.description.split()),
         head=_head(assessments, resolved),
-        comparison=Markup(profiles_view.html(documents, labels)) if len(labels) > 1 else Markup(""),
+        comparison=Markup(profiles_view.html(documents, labels, units)) if len(labels) > 1 else Markup(""),
         profiles=profile_entries(labels),
         utilisation=utilisation_picture(assessments, labels),
         replay=replay,
         no_replay=no_replay,
+        joints=assessments[0].motion.robot.joint_names,
+        governing=_governing(assessments, pictures),
         # Of a part of a cycle the torque alone: the rest is in the charts of the whole.
-        pictures=(torque_picture(group),) if case.no_replay else motion_pictures(group),
-        tables=[(label, Markup(assessment_view.tables(one))) for label, one in zip(labels, documents, strict=True)],
+        pictures=(in_units(torque_picture(group), units),) if case.no_replay else pictures,
+        tables=[
+            (label, Markup(assessment_view.tables(one, units))) for label, one in zip(labels, documents, strict=True)
+        ],
         not_assessed=_distinct(line for one in assessments for line in one.not_assessed),
         remarks=_distinct(line for one in assessments for line in one.remarks),
         robot=Markup(assessments[0].motion.robot._repr_html_()),
@@ -189,12 +257,24 @@ def _section(case: Case) -> Section:
     )
 
 
+def _governing(assessments: Sequence[Assessment], pictures: Sequence[Picture]) -> tuple[Panel, ...]:
+    """The charts of the three limits that are used most; of the first torques where no limit is known."""
+    checks = [check for one in assessments for check in one.checks]
+    worst = dict.fromkeys((one.quantity, one.joint) for one in most_used_first(checks))
+    names = {picture.name: picture for picture in pictures}
+    wanted = [("torque" if quantity == "effort" else quantity, joint) for quantity, joint in worst]
+    found = [panel for name, joint in wanted if name in names for panel in names[name].panels if panel.title == joint]
+    return tuple((found or names["torque"].panels)[:_GOVERNING])
+
+
 def _replay(case: Case) -> tuple[str, str]:
     """The replay's page, or why there is none: a mesh that cannot be drawn does not take the numbers away."""
     if case.no_replay:
         return "", case.no_replay
     try:
-        return replay_html(case.assessments, labels=case.labels, title=case.title), ""
+        names = () if case.resolved is None else case.resolved.names
+        html = replay_html(case.assessments, labels=case.labels, title=case.title, point_names=names, has_panel=False)
+        return html, ""
     except ModelError as error:
         return "", str(error)
 

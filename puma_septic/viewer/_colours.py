@@ -1,4 +1,4 @@
-"""Colours of the replay: by utilisation, by speed, by motion."""
+"""Colours of the replay: by utilisation, by motion."""
 
 from __future__ import annotations
 
@@ -11,16 +11,14 @@ from numpy.typing import ArrayLike
 from puma_septic.pictures import profile_line
 from puma_septic.validation import Array
 
-__all__ = ["NEUTRAL", "SPEED", "UTILISATION", "as_hex", "colour_at", "profile_colour"]
+__all__ = ["NEUTRAL", "UTILISATION", "as_hex", "colour_at", "profile_colour"]
 
-# From rest over half to the limit. The green is the bluish green of Okabe and Ito, "Color Universal Design", 2008, and
-# the yellow is far lighter than both its neighbours, so that eyes that confuse red and green still see the order; the
-# page writes every number beside its colour.
-UTILISATION: Final = ((0.0, 0.62, 0.45), (0.96, 0.86, 0.18), (0.84, 0.10, 0.11))
-# From rest to the highest speed shown: one hue, light to dark, told apart in grey as well.
-SPEED: Final = ((0.62, 0.85, 0.96), (0.13, 0.49, 0.80), (0.10, 0.06, 0.40))
+# From rest over half to the limit: a light grey as arms are painted, yellow, red. No profile has any of the three, so
+# that no link is taken for a ghost; they differ for eyes that confuse red and green, and the page writes every number
+# beside its colour.
+UTILISATION: Final = ((0.84, 0.86, 0.88), (0.97, 0.80, 0.16), (0.78, 0.06, 0.14))
 # A link whose effort limit is not known, and the base, which carries no joint.
-NEUTRAL: Final = (0.72, 0.73, 0.75)
+NEUTRAL: Final = (0.42, 0.45, 0.49)
 
 
 def colour_at(stops: Sequence[Sequence[float]], x: ArrayLike) -> Array:

@@ -70,8 +70,8 @@ class Replay:
     def _repr_html_(self) -> str:
         """A frame that holds the page itself, so that a saved notebook still plays; kept apart from the notebook."""
         return (
-            f'<iframe srcdoc="{escape(self.html)}" sandbox="allow-scripts" title="replay"'
-            ' style="width:100%;height:640px;border:0"></iframe>'
+            f'<iframe srcdoc="{escape(self.html)}" sandbox="allow-scripts allow-downloads" allow="fullscreen"'
+            ' title="replay" style="width:100%;height:640px;border:0"></iframe>'
         )
 
     def __repr__(self) -> str:
@@ -86,14 +86,16 @@ def replay(
     *,
     labels: Sequence[str] | None = None,
     title: str | None = None,
+    point_names: Sequence[str] = (),
     open_browser: bool | None = None,
     port: int | None = None,
 ) -> Replay:
     """Show one motion, or several at once, as an arm that moves.
 
     The first motion is the solid arm, its links coloured by torque utilisation; further ones are ghosts. Drawn as well:
-    the tool's path coloured by its speed, via points, payload, and where limits break and postures are singular. The
-    page has play, pause, speed and a time line; it moves at true speed.
+    the tool's path in the colour of its motion, thicker where it is faster, via points, payload, and where limits break
+    and postures are singular. The page has play, pause, speed and a time line, views and a camera that follows the
+    tool, and it writes pictures and video; it moves at true speed.
 
     Parameters
     ----------
@@ -102,6 +104,8 @@ def replay(
         One for each motion; the profiles' names by default.
     title : str, optional
         Heading of the page; the robot's name by default.
+    point_names : sequence of str
+        Names of the via points; numbers by default.
     open_browser : bool, optional
         Ask the system's browser to show it. By default so, but not in a notebook, where the value shows itself.
     port : int, optional
@@ -129,19 +133,34 @@ def replay(
     ...     print(page.url)
     http://127.0.0.1:.../
     """
-    html = replay_html(what, labels=labels, title=title)
+    html = replay_html(what, labels=labels, title=title, point_names=point_names)
     server = serve_page(html, port=port)
     wanted = "ipykernel" not in sys.modules if open_browser is None else open_browser
     return Replay(html=html, browser_opened=wanted and _open(server.url), _server=server)
 
 
 def replay_html(
-    what: Movable | Sequence[Movable], *, labels: Sequence[str] | None = None, title: str | None = None
+    what: Movable | Sequence[Movable],
+    *,
+    labels: Sequence[str] | None = None,
+    title: str | None = None,
+    point_names: Sequence[str] = (),
+    has_panel: bool = True,
 ) -> str:
     """The replay as one HTML page, which works from disk and asks for nothing from the network; see `replay`.
 
     A page that holds it in a frame sets its time by ``frame.contentWindow.postMessage({replay: "seek", time: 1.5},
-    "*")`` and is told its own by messages ``{replay: "time", time: ...}``.
+    "*")`` and is told its own by messages ``{replay: "time", time: ...}``; "play" and "pause" run it, ``{replay:
+    "show", motion: 1, shown: false}`` hides a motion. Without its panel it is for such a page.
+
+    Parameters
+    ----------
+    what, labels, title
+        As of `replay`.
+    point_names : sequence of str
+        Names of the via points, such as those of a task; numbers by default.
+    has_panel : bool
+        Whether numbers, legend and time line stand beside and below the scene.
 
     Returns
     -------
@@ -165,7 +184,8 @@ def replay_html(
     names = _labels([one.motion.trajectory.profile for one in assessments], labels)
     robots = dict.fromkeys(one.motion.robot.name for one in assessments)
     heading = ", ".join(robots) if title is None else title
-    return page_html([shown(one, name) for one, name in zip(assessments, names, strict=True)], heading)
+    motions = [shown(one, name) for one, name in zip(assessments, names, strict=True)]
+    return page_html(motions, heading, point_names=point_names, has_panel=has_panel)
 
 
 def write_replay(
@@ -174,6 +194,7 @@ def write_replay(
     *,
     labels: Sequence[str] | None = None,
     title: str | None = None,
+    point_names: Sequence[str] = (),
 ) -> Path:
     """Write the replay as one HTML file, to keep or to send; see `replay_html`.
 
@@ -188,7 +209,7 @@ def write_replay(
         Where the file cannot be written, with the reason; and as `replay`.
     """
     target = Path(path)
-    html = replay_html(what, labels=labels, title=title)
+    html = replay_html(what, labels=labels, title=title, point_names=point_names)
     try:
         target.write_text(html, encoding="utf-8")
     except OSError as error:

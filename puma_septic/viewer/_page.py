@@ -17,8 +17,9 @@ import numpy as np
 
 from puma_septic.kinematics import singularity_names
 from puma_septic.motion import Motion
+from puma_septic.pictures import profile_line
 from puma_septic.validation import Array
-from puma_septic.viewer._colours import SPEED, UTILISATION, as_hex, profile_colour
+from puma_septic.viewer._colours import UTILISATION, as_hex
 from puma_septic.viewer._flags import Flag
 from puma_septic.viewer._scene import Shown, scene_commands
 
@@ -31,13 +32,18 @@ _EYE_DISTANCE: Final = 2.95
 _EYE_HEIGHT: Final = 0.4
 
 
-def page_html(group: Sequence[Shown], title: str) -> str:
-    """One page that shows the motions; it opens from disk, and its policy forbids it any request."""
+def page_html(group: Sequence[Shown], title: str, *, point_names: Sequence[str] = (), has_panel: bool = True) -> str:
+    """One page that shows the motions; it opens from disk, and its policy forbids it any request.
+
+    Without its panel it is for a frame in a page that has numbers, legend and time line of its own.
+    """
     parts = {
         "TITLE": escape(title),
         "CSS": _text("page.css"),
         "JS": _text("page.js"),
-        "DATA": _script_json(_page_data(group, title)),
+        "SHAPE": "" if has_panel else ' data-shape="bare"',
+        "STAGE": _text("stage.js"),
+        "DATA": _script_json(_page_data(group, title, point_names)),
         "VIEWER": _viewer(),
         "SCENE": _packed(b"".join(struct.pack("<I", len(one)) + one for one in scene_commands(group))),
     }
@@ -64,7 +70,7 @@ def _script_json(value: Any) -> str:
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
 
-def _page_data(group: Sequence[Shown], title: str) -> dict[str, Any]:
+def _page_data(group: Sequence[Shown], title: str, point_names: Sequence[str]) -> dict[str, Any]:
     places = np.vstack([part for one in group for part in (one.path, one.elbows)])
     middle = (places.min(axis=0) + places.max(axis=0)) / 2
     radius = max(0.15, float(np.linalg.norm(places - middle, axis=1).max()))
@@ -75,7 +81,9 @@ def _page_data(group: Sequence[Shown], title: str) -> dict[str, Any]:
         "target": middle.tolist(),
         "eye": (middle + _EYE_DISTANCE * radius * _eye_direction(group[0].path)).tolist(),
         "utilisation_colours": [as_hex(stop) for stop in UTILISATION],
-        "speed_colours": [as_hex(stop) for stop in SPEED],
+        "base": group[0].elbows[0, :2].tolist(),
+        "ground": min(0.0, float(group[0].elbows[0, 2])),
+        "point_names": [str(name) for name in point_names],
         "fastest": max(float(one.speed.max()) for one in group),
         "motions": [_motion_data(one, k) for k, one in enumerate(group)],
     }
@@ -102,7 +110,7 @@ def _motion_data(one: Shown, k: int) -> dict[str, Any]:
         "verdict": one.assessment.verdict,
         "feasible": one.assessment.is_feasible,
         "doubtful": bool(one.assessment.doubts),
-        "colour": as_hex(profile_colour(k)),
+        "colours": [profile_line(k).hue.light, profile_line(k).hue.dark],
         "joints": list(robot.joint_names),
         "times": _rounded(one.times),
         "used": [_rounded(column) if np.isfinite(column).all() else None for column in one.used.T],

@@ -19,7 +19,7 @@ from puma_septic.kinematics import forward_kinematics, singularity_distances, to
 from puma_septic.robot import Payload, Robot
 from puma_septic.validation import Array
 from puma_septic.viewer._animation import add_colours, add_joints, joint_paths, key_times, utilisation
-from puma_septic.viewer._colours import SPEED, UTILISATION, colour_at, profile_colour
+from puma_septic.viewer._colours import UTILISATION, colour_at, profile_colour
 from puma_septic.viewer._flags import Flag, flags_of
 from puma_septic.viewer._shapes import Placed, octahedron, placed_shapes, rotated_y_to_z, tube
 
@@ -29,11 +29,11 @@ _ROOT: Final = "/meshcat"
 _GHOST_OPACITY: Final = 0.32
 # Where nothing but the mass of a payload is known it is drawn as a ball of aluminium, kg/m^3.
 _ALUMINIUM: Final = 2700.0
-_PAYLOAD, _VIA, _LIMIT, _SINGULAR = (0.45, 0.28, 0.60), (0.10, 0.11, 0.13), (0.84, 0.10, 0.11), (0.52, 0.20, 0.62)
+_PAYLOAD, _VIA, _LIMIT, _SINGULAR = (0.33, 0.36, 0.41), (0.10, 0.11, 0.13), (0.84, 0.10, 0.11), (0.52, 0.20, 0.62)
 # Sizes as parts of the arm's reach: path, markers, and the sticks of an arm without shapes.
-_TUBE, _MARKER, _STICK = 0.003, 0.011, 0.025
-# Meshcat's own lights add up to more than white, which would wash out the colours; intensities that do not.
-_LIGHTS: Final = {"AmbientLight": 0.68, "FillLight": 0.12, "PointLightNegativeX": 0.22, "PointLightPositiveX": 0.22}
+_TUBE, _MARKER, _STICK = 0.0065, 0.011, 0.025
+# A path at rest, as a part of its thickness at the highest speed.
+_THIN: Final = 0.28
 
 
 @final
@@ -110,7 +110,7 @@ def scene_commands(group: Sequence[Shown]) -> tuple[bytes, ...]:
         # A ghost stands on the solid arm's base.
         shared = k > 0 and one.assessment.motion.robot.geometry is group[0].assessment.motion.robot.geometry
         commands += _arm(one, f"{root}/arm", ghost, animation, start, draw_base=not shared)
-        commands += _markers(one, root, ghost, fastest)
+        commands += _markers(one, root, profile_colour(k), fastest)
     # The page has a clock of its own, which the time lines of a report share.
     commands.append(SetAnimation(animation, play=False))
     # Half the size; the viewer holds key frames in single precision anyhow.
@@ -132,12 +132,8 @@ def _joint_places(robot: Robot, q: Array) -> Array:
 
 
 def _surroundings() -> list[Any]:
-    plain = [("top_color", [0.97, 0.98, 0.99]), ("bottom_color", [0.86, 0.89, 0.92])]
-    background = [SetProperty(name, value, Path().append("/Background")) for name, value in plain]
-    lights = [
-        SetProperty("intensity", value, Path().append(f"/Lights/{name}/<object>")) for name, value in _LIGHTS.items()
-    ]
-    return [*background, *lights, SetProperty("visible", False, Path().append("/Axes"))]
+    """Nothing of Meshcat's: floor, light and axes are the page's own."""
+    return [SetProperty("visible", False, Path().append(f"/{name}")) for name in ("Axes", "Grid", "Background")]
 
 
 def _arm(
@@ -212,23 +208,23 @@ def _payload_body(payload: Payload) -> Placed:
     return mc.Box(np.sqrt(np.maximum(squares, 1e-6)).tolist()), place
 
 
-def _markers(one: Shown, root: str, ghost: Sequence[float] | None, fastest: float) -> list[Any]:
-    """The path, its via points and its flags."""
+def _markers(one: Shown, root: str, colour: Sequence[float], fastest: float) -> list[Any]:
+    """The path in the colour of its motion, thicker where it is faster; its via points and its flags."""
     reach = _reach(one.path)
-    colours = colour_at(SPEED, one.speed / fastest if fastest > 0 else one.speed)
-    line = tube(one.path, (1.0 if ghost is None else 0.6) * _TUBE * reach, colours)
+    share = one.speed / fastest if fastest > 0 else one.speed
+    line = tube(one.path, (_THIN + (1.0 - _THIN) * share) * _TUBE * reach)
     commands: list[Any] = []
     if line is not None:
-        # Unlit, so that the legend's colours are the path's.
-        commands += _object(f"{root}/path", line, np.eye(4), mc.MeshBasicMaterial(vertexColors=True))
+        # Unlit, so that the colour is that of the curves in all charts.
+        commands += _object(f"{root}/path", line, np.eye(4), mc.MeshBasicMaterial(color=_number(colour)))
     for k, place in enumerate(one.vias):
         commands += _object(f"{root}/vias/{k}", mc.Sphere(0.7 * _MARKER * reach), _at(place), _surface(_VIA))
     for k, (flag, place) in enumerate(zip(one.flags, one.flag_places, strict=True)):
         if flag.kind == "limit":
-            solid, colour = octahedron(1.5 * _MARKER * reach), _LIMIT
+            solid, hue = octahedron(1.5 * _MARKER * reach), _LIMIT
         else:
-            solid, colour = mc.Box([1.7 * _MARKER * reach] * 3), _SINGULAR
-        commands += _object(f"{root}/flags/{k}", solid, _at(place), _surface(colour, flat=True))
+            solid, hue = mc.Box([1.7 * _MARKER * reach] * 3), _SINGULAR
+        commands += _object(f"{root}/flags/{k}", solid, _at(place), _surface(hue, flat=True))
     return commands
 
 
@@ -248,9 +244,8 @@ def _surface(colour: Sequence[float], *, flat: bool = False, ghost: bool = False
 
     A ghost is drawn behind what stands in the same place: neither flickers, and the solid arm keeps its colour.
     """
-    red, green, blue = (round(255 * channel) for channel in colour)
     return mc.MeshPhongMaterial(
-        color=red << 16 | green << 8 | blue,
+        color=_number(colour),
         opacity=_GHOST_OPACITY if ghost else 1.0,
         depthWrite=not ghost,
         polygonOffset=ghost,
@@ -259,6 +254,11 @@ def _surface(colour: Sequence[float], *, flat: bool = False, ghost: bool = False
         specular=0,
         flatShading=flat,
     )
+
+
+def _number(colour: Sequence[float]) -> int:
+    red, green, blue = (round(255 * channel) for channel in colour)
+    return red << 16 | green << 8 | blue
 
 
 def _object(path: str, solid: Any, place: Array, material: Any) -> list[Any]:

@@ -63,11 +63,11 @@ def octahedron(radius: float) -> Any:
     return mc.TriangularMeshGeometry(corners, np.vstack([upper, lower]))
 
 
-def tube(points: Array, radius: float, colours: Array) -> Any | None:
-    """A tube along points, shape (n, 3), with a colour at each, shape (n, 3); None where they are all in one place."""
-    apart = np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-3 * radius
+def tube(points: Array, radii: Array) -> Any | None:
+    """A tube along points, shape (n, 3), with a radius at each, shape (n,); None where they are in one place."""
+    apart = np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-3 * radii[1:]
     keep = np.concatenate([[True], apart])
-    points, colours = points[keep], colours[keep]
+    points, radii = points[keep], radii[keep]
     if len(points) < 2:
         return None
     along = np.gradient(points, axis=0)
@@ -76,11 +76,11 @@ def tube(points: Array, radius: float, colours: Array) -> Any | None:
     angle = 2 * np.pi * np.arange(_SIDES) / _SIDES
     other = np.cross(along, across)
     rim = across[:, None] * np.cos(angle)[:, None] + other[:, None] * np.sin(angle)[:, None]
-    vertices = (points[:, None] + radius * rim).reshape(-1, 3)
+    vertices = (points[:, None] + radii[:, None, None] * rim).reshape(-1, 3)
     k, side = np.meshgrid(np.arange(len(points) - 1), np.arange(_SIDES), indexing="ij")
     a, b = (k * _SIDES + side).ravel(), (k * _SIDES + (side + 1) % _SIDES).ravel()
     faces = np.vstack([np.column_stack([a, b, b + _SIDES]), np.column_stack([a, b + _SIDES, a + _SIDES])])
-    return mc.TriangularMeshGeometry(vertices, faces, color=np.repeat(colours, _SIDES, axis=0))
+    return mc.TriangularMeshGeometry(vertices, faces)
 
 
 def _carried_normals(along: Array) -> Array:

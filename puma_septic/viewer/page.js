@@ -38,6 +38,9 @@
     return values[low] + (values[high] - values[low]) * (t - times[low]) / (times[high] - times[low]);
   }
 
+  const swatches = [];
+  const swatch = (element, motion) => swatches.push([element, motion]);
+
   // ---- what stands still: headings, legends, flags
   const seconds = (t) => t.toFixed(2) + " s";
   byId("title").textContent = data.title;
@@ -48,7 +51,7 @@
     const toggle = make("input", label);
     toggle.type = "checkbox";
     toggle.checked = true;
-    if (several) make("span", label, undefined, "swatch").style.background = motion.colour;
+    if (several) swatch(make("span", label, undefined, "swatch"), motion);
     else toggle.hidden = true;
     make("span", label, motion.label + (several ? (k ? " (ghost)" : " (solid)") : ""));
     make("p", box, motion.verdict, !motion.feasible ? "bad" : motion.doubtful ? "doubtful" : "good");
@@ -56,7 +59,6 @@
     return toggle;
   });
   byId("torque-scale").style.background = `linear-gradient(90deg, ${data.utilisation_colours.join(",")})`;
-  byId("speed-scale").style.background = `linear-gradient(90deg, ${data.speed_colours.join(",")})`;
   byId("fastest").textContent = data.fastest.toPrecision(3) + " m/s";
 
   const bars = [];
@@ -70,7 +72,7 @@
       const j = motion.joints.indexOf(joint);
       if (j < 0) continue;
       const bar = make("div", row, undefined, "bar"), used = motion.used[j];
-      if (several) make("div", bar, undefined, "who").style.background = motion.colour;
+      if (several) swatch(make("div", bar, undefined, "who"), motion);
       const track = make("div", bar, undefined, "track");
       const fill = make("div", track, undefined, "fill"), number = make("span", bar);
       bar.dataset.joint = joint;
@@ -109,7 +111,7 @@
   }
 
   // ---- the clock
-  let time = data.start, playing = false, last = 0, viewer = null;
+  let time = data.start, playing = false, last = 0, viewer = null, stage = null;
   const listeners = [];
   const slider = byId("time");
   slider.min = data.start;
@@ -144,9 +146,11 @@
   }
 
   function pause() {
+    const was = playing;
     playing = false;
     byId("play").textContent = "\u25B6";
     byId("play").setAttribute("aria-label", "play");
+    if (was) for (const listener of listeners) listener(time);
   }
 
   function tick(now) {
@@ -158,6 +162,7 @@
       else if (byId("repeat").checked) seek(data.start);
       else { seek(data.end); pause(); }
     }
+    if (stage) stage.step();
     placeLabels();
   }
 
@@ -167,16 +172,114 @@
     const steps = {ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, PageDown: -10, PageUp: 10};
     if (event.key in steps) { event.preventDefault(); pause(); seek(time + steps[event.key] * reach / 200); }
   });
-  addEventListener("keydown", (event) => {
-    if (event.key === " " && !["BUTTON", "INPUT", "SELECT"].includes(event.target.tagName)) {
-      event.preventDefault();
-      playing ? pause() : play();
+  // ---- view, pictures, keys
+  const press = (id, on) => byId(id).setAttribute("aria-pressed", on);
+  const does = {
+    follow() { stage.follow(!stage.following); press("follow", stage.following); },
+    night() { paint(!stage.dark); },
+    png() { save(snapshot(), "replay.png"); },
+    video() { if (recording) recording = null; else video(); },
+    full() { document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen().catch(() => {}); },
+  };
+  for (const id of Object.keys(does)) byId(id).addEventListener("click", () => { if (stage) does[id](); });
+  for (const button of document.querySelectorAll("[data-look]")) button.addEventListener("click", () => look(button.dataset.look));
+
+  function look(name) {
+    if (!stage) return;
+    stage.follow(false);
+    press("follow", false);
+    stage.look(name);
+  }
+
+  function paint(isDark) {
+    theme(isDark);
+    const fine = stage.paint(isDark);
+    press("night", isDark);
+    byId("scale").textContent = `; squares of ${fine} m`;
+  }
+
+  function theme(isDark) {
+    document.documentElement.dataset.theme = isDark ? "dark" : "light";
+    for (const [element, motion] of swatches) element.style.background = motion.colours[isDark ? 1 : 0];
+  }
+
+  const caption = () => `${data.title}, t = ${seconds(time)}`;
+
+  function snapshot() {
+    const canvas = document.createElement("canvas");
+    stage.drawOn(canvas, caption());
+    return canvas.toDataURL("image/png");
+  }
+
+  function save(address, name) {
+    const link = document.createElement("a");
+    link.href = address;
+    link.download = `${data.title.replace(/[^A-Za-z0-9_-]+/g, "-").slice(0, 60)}-${name}`;
+    link.click();
+  }
+
+  // One run from start to end, frame by frame on a canvas of its own: complete on a slow machine too, if then slower.
+  const FRAMES = 30, later = (wait) => new Promise((done) => setTimeout(done, wait));
+  let recording = null;
+  async function video() {
+    const canvas = document.createElement("canvas"), parts = [], before = time;
+    const kind = ["video/webm;codecs=vp9", "video/webm", "video/mp4"].find((one) => window.MediaRecorder && MediaRecorder.isTypeSupported(one));
+    if (!kind || !canvas.captureStream) { byId("hint").textContent = "this browser does not record video"; return; }
+    pause();
+    canvas.className = "film";  // only what is in the page is filmed
+    document.body.append(canvas);
+    stage.drawOn(canvas, caption());
+    recording = new MediaRecorder(canvas.captureStream(FRAMES), {mimeType: kind, videoBitsPerSecond: 8e6});
+    const recorder = recording, stopped = new Promise((done) => { recorder.onstop = done; });
+    recorder.ondataavailable = (event) => parts.push(event.data);
+    press("video", true);
+    byId("video").textContent = "stop";
+    recorder.start();
+    await later(200);  // until the recorder listens
+    const step = Number(byId("speed").value) / FRAMES;
+    for (let t = data.start; recording && t < data.end + step; t += step) {
+      const begun = performance.now();
+      seek(t);
+      stage.step();
+      placeLabels();
+      stage.drawOn(canvas, caption());
+      await later(Math.max(8, 1000 / FRAMES - (performance.now() - begun)));
     }
+    await later(300);  // until the last frames have come through
+    recorder.stop();
+    await stopped;
+    recording = null;
+    canvas.remove();
+    press("video", false);
+    byId("video").textContent = "video";
+    const address = URL.createObjectURL(new Blob(parts, {type: kind}));
+    save(address, kind.startsWith("video/mp4") ? "replay.mp4" : "replay.webm");
+    setTimeout(() => URL.revokeObjectURL(address), 60000);
+    seek(before);
+  }
+
+  const keys = {
+    " ": () => playing ? pause() : play(),
+    ArrowLeft: () => { pause(); seek(time - reach / 200); },
+    ArrowRight: () => { pause(); seek(time + reach / 200); },
+    Home: () => { pause(); seek(data.start); },
+    End: () => { pause(); seek(data.end); },
+    1: () => look("home"), 2: () => look("front"), 3: () => look("side"), 4: () => look("top"),
+    t: () => byId("follow").click(), d: () => byId("night").click(), p: () => byId("png").click(),
+    v: () => byId("video").click(), f: () => byId("full").click(),
+    l: () => { byId("repeat").checked = !byId("repeat").checked; },
+  };
+  addEventListener("keydown", (event) => {
+    const typing = ["INPUT", "SELECT"].includes(event.target.tagName) || event.ctrlKey || event.metaKey || event.altKey;
+    const act = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+    if (!act || typing || (event.key === " " && event.target.tagName === "BUTTON")) return;
+    event.preventDefault();
+    act();
   });
 
   // ---- names of the via points of the first motion, over the picture
   const labels = data.motions[0].vias.map(([t, x, y, z], k) => ({
-    point: [x, z, -y], element: make("span", byId("labels"), `${k + 1}: ${seconds(t)}`),
+    point: [x, z, -y], element: make("span", byId("labels"), `${data.point_names[k] || k + 1}: ${seconds(t)}`),
   }));
 
   function placeLabels() {
@@ -212,10 +315,6 @@
       made.handle_command_bytearray(commands.slice(k + 4, k + 4 + size));
       k += 4 + size;
     }
-    const [x, y, z] = data.eye, [u, v, w] = data.target;
-    made.camera.parent.updateMatrixWorld();
-    made.camera.position.copy(made.camera.parent.worldToLocal(new MeshCat.THREE.Vector3(x, z, -y)));
-    made.controls.target.set(u, w, -v);
     made.animator.play();   // makes the actions take part;
     made.animator.pause();  // the clock is ours
     data.motions.forEach((_, k) => toggles[k].addEventListener("change", () => {
@@ -225,6 +324,8 @@
     return made;
   }
 
+  const isDark = matchMedia("(prefers-color-scheme: dark)").matches;
+  theme(isDark);
   try {
     if (typeof DecompressionStream === "undefined") throw new Error("it is too old to unpack this file");
     const [code, scene] = await Promise.all([unpacked("viewer"), unpacked("scene")]);
@@ -233,25 +334,35 @@
     document.head.append(script);
     window.onmessage = null;  // a recorder in there takes every message for its own
     viewer = started(scene);
+    stage = dressed(viewer, data, byId("pane"));
+    stage.look("home");
+    paint(isDark);
+    byId("loading").hidden = true;
   } catch (error) {
+    byId("loading").hidden = true;
     byId("problem").hidden = false;
     byId("problem").textContent = `This browser cannot draw the arm: ${error.message}. The numbers beside it still hold.`;
   }
 
   // ---- for the page around, and for whoever looks into this one
   window.replay = {
-    seek, play, pause, viewer,
+    seek, play, pause, viewer, stage, look, snapshot,
     get time() { return time; },
     get playing() { return playing; },
     onTime: (listener) => listeners.push(listener),
   };
   if (window.parent !== window) {
-    listeners.push((t) => window.parent.postMessage({replay: "time", time: t}, "*"));
+    listeners.push((t) => window.parent.postMessage({replay: "time", time: t, playing}, "*"));
     addEventListener("message", (event) => {
       if (event.source !== window.parent || !event.data || typeof event.data !== "object") return;
       if (event.data.replay === "seek" && Number.isFinite(event.data.time)) { pause(); seek(event.data.time); }
       if (event.data.replay === "play") play();
       if (event.data.replay === "pause") pause();
+      if (event.data.replay === "show" && toggles[event.data.motion]) {
+        toggles[event.data.motion].checked = Boolean(event.data.shown);
+        toggles[event.data.motion].dispatchEvent(new Event("change"));
+      }
+      if (event.data.replay === "still" && stage) window.parent.postMessage({replay: "still", image: snapshot()}, "*");
     });
   }
   seek(data.start);

@@ -25,7 +25,7 @@ _SHARE: Final = re.compile(rf"({_NUMBER})(?! ?%|\d|\.\d)")
 
 
 @final
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Units:
     """What angles and the joints' speeds are shown in.
 

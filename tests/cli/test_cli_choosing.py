@@ -94,7 +94,9 @@ def test_optimise_two_objectives_gives_a_front(tmp_path: Path, capsys: pytest.Ca
         str(target),
     ]
     assert "Pareto front over the via times" in printed(arguments, capsys, code=1)
-    assert sorted(path.name for path in target.iterdir()) == ["front.png", "front.svg", "optimisation.json"]
+    assert sorted(path.name for path in target.iterdir()) == [
+        "front.png", "front.svg", "optimisation.json", "report.html",
+    ]  # fmt: skip
 
 
 def test_optimise_duration_gives_the_least_time(capsys: pytest.CaptureFixture[str]) -> None:

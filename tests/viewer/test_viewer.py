@@ -32,7 +32,7 @@ import puma_septic as ps
 from puma_septic.pictures import profile_line
 from puma_septic.task import assess_task, load_task
 from puma_septic.viewer._animation import ANGLE_ERROR, key_times, utilisation
-from puma_septic.viewer._colours import UTILISATION, colour_at
+from puma_septic.viewer._colours import UTILISATION, colour_at, profile_colour
 from puma_septic.viewer._flags import flags_of
 from puma_septic.viewer._server import serve_page
 from puma_septic.viewer._shapes import placed_shapes, tube
@@ -156,9 +156,12 @@ def test_links_are_coloured_by_utilisation(paper: tuple[ps.Assessment, ...]) -> 
         np.testing.assert_allclose(colours, colour_at(UTILISATION, used[:, joint - 1]), atol=1e-6)
 
 
-def test_colours_run_from_green_over_yellow_to_red() -> None:
-    green, yellow, red = colour_at(UTILISATION, [0.0, 0.5, 1.0])
-    assert green.argmax() == 1
+def test_colours_run_from_grey_over_yellow_to_red() -> None:
+    """Green, for little use, was the colour of the third profile's ghost: no profile has any of these."""
+    grey, yellow, red = colour_at(UTILISATION, [0.0, 0.5, 1.0])
+    assert np.ptp(grey) < 0.05
+    for k in range(6):
+        assert np.linalg.norm(np.array([grey, yellow, red]) - profile_colour(k), axis=1).min() > 0.15
     assert yellow[:2].min() > 4 * yellow[2]
     assert red.argmax() == 0
     np.testing.assert_array_equal(colour_at(UTILISATION, [1.0, 7.0]), [red, red])
@@ -199,7 +202,8 @@ def test_a_motion_has_the_colour_of_its_curves(paper: tuple[ps.Assessment, ...])
     """The second motion was vermilion in all charts of a report and blue, the first one's colour, in its replay."""
     html = ps.replay_html(paper)
     expected = [profile_line(k).hue.light for k in range(3)]
-    assert [motion["colour"] for motion in page_data(html)["motions"]] == expected
+    hues = [profile_line(k).hue for k in range(3)]
+    assert [one["colours"] for one in page_data(html)["motions"]] == [[hue.light, hue.dark] for hue in hues]
     for k in (1, 2):
         arm = [thing for path, thing in drawn(html).items() if f"motion{k}/arm" in path]
         assert {f"#{thing['materials'][0]['color']:06x}" for thing in arm} == {expected[k]}
@@ -208,7 +212,7 @@ def test_a_motion_has_the_colour_of_its_curves(paper: tuple[ps.Assessment, ...])
 def test_path_is_a_tube_along_the_tools_way() -> None:
     t = np.linspace(0.0, 3.0, 200)
     way = np.column_stack([np.cos(3 * t), np.sin(3 * t), t])
-    made = tube(way, 0.02, np.zeros_like(way))
+    made = tube(way, np.full(len(way), 0.02))
     apart = np.linalg.norm(made.vertices.reshape(len(way), -1, 3) - way[:, None], axis=2)
     np.testing.assert_allclose(apart, 0.02, rtol=1e-4)  # single precision of coordinates up to 3 m
     assert made.faces.max() == len(made.vertices) - 1
@@ -216,8 +220,8 @@ def test_path_is_a_tube_along_the_tools_way() -> None:
 
 def test_path_survives_turning_back_and_standing_still() -> None:
     way = np.array([[0.0, 0, 0], [1.0, 0, 0], [1.0, 0, 0], [0.0, 0, 0], [0.0, 0, 1.0]])
-    assert np.isfinite(tube(way, 0.01, np.zeros_like(way)).vertices).all()
-    assert tube(way[:1].repeat(5, axis=0), 0.01, np.zeros((5, 3))) is None
+    assert np.isfinite(tube(way, np.full(len(way), 0.01)).vertices).all()
+    assert tube(way[:1].repeat(5, axis=0), np.full(5, 0.01)) is None
 
 
 def test_payload_is_a_body_at_the_tool(puma: ps.Robot) -> None:
@@ -356,7 +360,7 @@ def test_names_are_text_in_the_page(puma: ps.Robot) -> None:
 def test_notebook_frame_is_closed_off(puma: ps.Robot) -> None:
     with ps.replay(small_move(puma), title=HOSTILE, open_browser=False) as shown:
         frame = shown._repr_html_()
-    assert re.match(r'<iframe srcdoc="[^"]*" sandbox="allow-scripts"[^<]*></iframe>$', frame)
+    assert re.match(r'<iframe srcdoc="[^"]*" sandbox="allow-scripts allow-downloads"[^<]*></iframe>$', frame)
     assert HOSTILE not in frame
 
 

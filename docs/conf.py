@@ -12,8 +12,14 @@ author = "The puma-septic authors"
 copyright = "2026, " + author
 version = release = puma_septic.__version__
 
-extensions = ["sphinx.ext.autodoc", "sphinx.ext.napoleon", "myst_parser", "computed", "mathml"]
-exclude_patterns = ["images", "_ext"]
+extensions = [
+    "sphinx.ext.autodoc", "sphinx.ext.autosummary", "sphinx.ext.napoleon", "myst_parser", "computed", "mathml",
+    "samples",
+]  # fmt: skip
+autosummary_generate = False
+exclude_patterns = ["images", "_ext", "_static"]
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
 html_extra_path = ["schemas.json"]
 myst_enable_extensions = ["amsmath", "dollarmath"]
 myst_heading_anchors = 3

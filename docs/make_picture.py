@@ -1,4 +1,4 @@
-"""Make the moving picture of the README from the replay: ``python docs/make_picture.py [FILE]``.
+"""Make the moving picture of the README from the replay, and pictures of reports: ``python docs/make_picture.py``.
 
 Needs the test extra (Playwright) and a Chromium. It is drawn in software, so it needs no screen.
 """
@@ -16,7 +16,7 @@ from PIL import Image
 from playwright.sync_api import sync_playwright
 
 import puma_septic as ps
-from puma_septic.task import assess_task, load_task
+from puma_septic.task import assess_task, load_task, resolve_task
 
 WIDTH, HEIGHT = 960, 600
 PER_SECOND = 10
@@ -25,11 +25,13 @@ FLAGS = ["--no-sandbox", "--disable-background-networking", "--use-gl=angle", "-
 
 
 def main(target: Path) -> None:
-    """The paper's move with the septic, and LSPB beside it as a ghost, at true speed."""
-    assessments = assess_task(load_task("paper"))[:2]
+    """The paper's points with the tool turned: the septic, and LSPB beside it as a ghost, at true speed."""
+    task = resolve_task(load_task("paper-turned"))
+    assessments = assess_task(task)[:2]
     duration = assessments[0].motion.trajectory.duration
     with tempfile.TemporaryDirectory() as folder:
-        page = ps.write_replay(Path(folder) / "replay.html", assessments, title="PUMA 560: pick and place")
+        title = "PUMA 560: pick and place"
+        page = ps.write_replay(Path(folder) / "replay.html", assessments, title=title, point_names=task.names)
         frames = photographed(page, np.linspace(0.0, duration, round(PER_SECOND * duration) + 1))
     # The last one stays for a while before it starts again.
     waits = [round(1000 / PER_SECOND)] * (len(frames) - 1) + [1500]
@@ -45,7 +47,7 @@ def photographed(page: Path, times: np.ndarray) -> list[Image.Image]:
         view = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT}, reduced_motion="reduce")
         view.goto(page.as_uri())
         view.wait_for_selector('html[data-ready="yes"]')
-        view.add_style_tag(content="#hint { display: none } #controls { display: none !important }")
+        view.add_style_tag(content="#hint, #tools { display: none } #controls { display: none !important }")
         frames = []
         for t in times:
             view.evaluate("t => replay.seek(t)", float(t))
@@ -55,6 +57,34 @@ def photographed(page: Path, times: np.ndarray) -> list[Image.Image]:
     return frames
 
 
+def pictured(page: Path, target: Path) -> None:
+    """The first screen of a report, with its replay drawn."""
+    found = shutil.which("chromium") or shutil.which("google-chrome")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=found, args=FLAGS)
+        view = browser.new_page(viewport={"width": 1280, "height": 860}, reduced_motion="reduce")
+        view.goto(page.as_uri())
+        view.wait_for_selector('iframe[data-ready="yes"]')
+        view.frames[1].wait_for_selector('html[data-ready="yes"]')
+        view.locator(".timebar input").first.evaluate(
+            "(one) => { one.value = 3.6; one.dispatchEvent(new Event('input', {bubbles: true})); }"
+        )
+        view.wait_for_timeout(4000)
+        Image.open(io.BytesIO(view.screenshot())).convert("RGB").save(target, optimize=True)
+        browser.close()
+
+
+def reports(images: Path) -> None:
+    """Of an assessed task, and of profiles compared."""
+    task = resolve_task(load_task("paper-turned"))
+    own = [choice.name for choice in task.task.profiles]
+    compared = ps.compare(task.robot, task.points, task.times, own=own)
+    with tempfile.TemporaryDirectory() as folder:
+        for name, what in (("report", assess_task(task)), ("compared", compared)):
+            pictured(ps.write_report(Path(folder) / f"{name}.html", what, title=name), images / f"{name}.png")
+
+
 if __name__ == "__main__":
-    default = Path(__file__).parent / "images" / "replay.webp"
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else default)
+    images = Path(__file__).parent / "images"
+    reports(images)
+    main(images / "replay.webp")

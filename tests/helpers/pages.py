@@ -18,7 +18,7 @@ _OPTION = re.compile(r"\A(?::\w+:.*\n)+")
 
 
 class Block(NamedTuple):
-    """A block of code: python (run while the site is built, or not), sh, yaml, toml, text."""
+    """A block of code: python (run while the site is built, or not), sh, yaml, toml, csv, text."""
 
     language: str
     text: str
@@ -44,7 +44,10 @@ def example_files(folder: Path, page: str) -> None:
     for language, text in blocks(page):
         if language == "yaml" and (name := re.match(r"name: (\w+)$", text, re.MULTILINE)):
             (folder / f"{name[1]}.yaml").write_text(text, encoding="utf-8")
-        if language == "csv" and (file := re.match(r"# ([\w-]+\.csv)\b", text)):
-            (folder / file[1]).write_text(text, encoding="utf-8")
+        if language == "csv":
+            # A first line may name the file; without it, gearboxes have a ratio.
+            named = re.match(r"# ([\w-]+\.csv)\b", text)
+            name_of = named[1] if named else "gears.csv" if ",ratio," in text else "motors.csv"
+            (folder / name_of).write_text(text, encoding="utf-8")
         if language == "toml" and 'robot = "arm"' in text:
             (folder / "arm.toml").write_text(text, encoding="utf-8")

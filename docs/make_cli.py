@@ -5,6 +5,7 @@ A test holds the page against the parser.
 
 from __future__ import annotations
 
+import re
 from argparse import ArgumentParser
 from pathlib import Path
 
@@ -45,7 +46,8 @@ def _command(name: str) -> str:
             shown = ", ".join(f"`{option}{value}`" for option in action.option_strings)
         else:
             shown = f"`{_value(action)}`"
-        rows.append(f"| {shown} | {(action.help or '').replace('|', chr(92) + '|')} |")
+        meaning = re.sub(r"(?<![\w-])(--?[a-z][a-z-]*)", r"`\1`", (action.help or "").replace("|", r"\|"))
+        rows.append(f"| {shown} | {meaning} |")
     examples = "\n".join(f"puma-septic {line}" for line in command.EXAMPLES.splitlines())
     return "\n".join([f"## {name}", "", command.DESCRIPTION, "", *rows, "", "```text", examples, "```", ""])
 

@@ -28,7 +28,7 @@ _NEGLIGIBLE = 1e-13
 
 
 @final
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Motion:
     """A robot on a trajectory.
 
@@ -106,9 +106,9 @@ class Motion:
             function = function.derivative()
         return function
 
-    @property
+    @functools.cached_property
     def torque_terms(self) -> TorqueTerms[Piecewise]:
-        """The torque by cause, each a Piecewise; they sum to `torque`."""
+        """The torque by cause, each a Piecewise; they sum to `torque`. Kept, hence no slots."""
         if not self.parts:
             return _split_torque(self)
         terms = [part.torque_terms for part in self.parts]

@@ -151,7 +151,8 @@ def torque_picture(group: Sequence[Samples]) -> Picture:
 def torque_split_picture(one: Samples, profile: int = 0) -> Picture:
     """Torque of every joint by cause, those that occur; the causes sum to the total."""
     motion = one.assessment.motion
-    t, values = together([getattr(motion.torque_terms, name) for name in TERMS], detail=one.detail)
+    terms = motion.torque_terms
+    t, values = together([getattr(terms, name) for name in TERMS], detail=one.detail)
     floor = NEGLIGIBLE * np.maximum(1.0, np.abs(one.torque).max(axis=0))
     seen = {name: np.abs(tau).max(axis=0) > floor for name, tau in zip(TERMS, values, strict=True)}
     lines = cause_lines(TERMS)

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike
+from scipy.ndimage import maximum_filter1d
 
 from puma_septic.validation import Array
 
@@ -44,6 +45,8 @@ _CUBIC: Final = 1e-5
 # its noise: through seven samples and one step beyond them, 127 for its value. A step is this many times larger.
 _EXTRAPOLATED: Final = 1000
 _CERTAIN: Final = 50
+# Roundings of a stamp by which even ones differ.
+_EVEN: Final = 8.0
 # A root so far outside its place, in steps of time, is at the border.
 _OUTSIDE: Final = 0.02
 # Breaks of two joints so close together, in steps of time, are one: by their order, as that is how well they are known.
@@ -135,11 +138,14 @@ def _places(t: Array, q: Array, floor: Array) -> list[list[Place]]:
 def _differences(t: Array, q: Array, order: int) -> Array:
     """Divided differences of the samples from each on, times a factor that makes their weights a unit vector."""
     times = sliding_window_view(t, order + 1)
+    if np.ptp(np.diff(t)) <= _EVEN * np.spacing(np.abs(t).max()):
+        times = times[:1]  # stamps that are even but for rounding have one row of weights
     x = (times - times[:, :1]) / (times[:, -1:] - times[:, :1])
     weights = 1 / (x[:, :, None] - x[:, None, :] + np.eye(order + 1)).prod(axis=2)
     weights /= np.linalg.norm(weights, axis=1, keepdims=True)
     values = sliding_window_view(q, order + 1, axis=0)
-    return np.asarray(np.abs(np.einsum("nk,njk->nj", weights, values - values[..., :1])))
+    # The values are in the last axis; a single row of weights is that of all.
+    return np.asarray(np.abs(((values - values[..., :1]) * weights[:, None]).sum(axis=2)))
 
 
 def _prominence(size: Array, order: int, span: int, floor: Array) -> Array:
@@ -148,13 +154,19 @@ def _prominence(size: Array, order: int, span: int, floor: Array) -> Array:
     Row g is of the place from sample g to sample g + span + 1; differences from g - order + 1 to g + span go over it.
     """
     edge = order + _BESIDE
-    windows = sliding_window_view(np.pad(size, ((edge, edge), (0, 0))), order + span + 2 * _BESIDE, axis=0)[1:-1]
-    over = windows[..., _BESIDE:-_BESIDE].max(axis=2)
-    beside = np.maximum(windows[..., :_BESIDE].max(axis=2), windows[..., -_BESIDE:].max(axis=2))
+    padded = np.pad(size, ((edge, edge), (0, 0)))
+    count = len(size) + order - 1 - span
+    side, over = _running(padded, _BESIDE)[1:], _running(padded, order + span)[1 + _BESIDE :][:count]
+    beside = np.maximum(side[:count], side[order + span + _BESIDE :][:count])
     prominence = over / np.maximum(np.maximum(beside, floor), np.finfo(float).tiny)
     # A place near an end has no differences on one side to be held against.
     prominence[:order], prominence[len(prominence) - order :] = 0.0, 0.0
     return np.asarray(prominence)
+
+
+def _running(values: Array, count: int) -> Array:
+    """The largest of so many values from each on."""
+    return np.asarray(maximum_filter1d(values, count, axis=0, origin=-(count // 2)))
 
 
 def _of_joint(t: Array, q: Array, places: Sequence[Place], span: slice, uncertain: float) -> list[tuple[int, float]]:

@@ -154,7 +154,7 @@ def test_csv_gap_in_time_and_unreadable_files(tmp_path: Path) -> None:
         InputError, match=r"row 4, column 't': a gap of 0.8 s since row 3 is longer than max_gap = 0.15 s"
     ):
         read_csv_trajectory(path, max_gap=0.15)
-    with pytest.raises(InputError, match="cannot be read as a CSV file"):
+    with pytest.raises(InputError, match="this CSV file does not exist"):
         read_csv_trajectory(tmp_path / "missing.csv")
     path.write_bytes(b"t,a\n0,\xff\xfe\n")
     with pytest.raises(InputError, match="cannot be read as a CSV file"):

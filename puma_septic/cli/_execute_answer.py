@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import Namespace
 
-from puma_septic.cli._output_arguments import with_report
+from puma_septic.cli._output_arguments import asked_units, origin, with_report
 from puma_septic.cli._parser import Answer
 from puma_septic.cli._task_arguments import asked_task
 from puma_septic.document import to_json
@@ -64,7 +64,8 @@ def _write_folder(arguments: Namespace, execution: Execution, title: str) -> Non
     with new_folder(arguments.out, overwrite=arguments.force) as folder:
         (folder / "execution.json").write_text(to_json(execution.to_dict()), encoding="utf-8")
         (folder / "execution.csv").write_text(execution.to_csv(), encoding="utf-8")
-        (folder / "report.html").write_text(report_html(execution, title=title), encoding="utf-8")
+        page = report_html(execution, title=title, made=origin(arguments), units=asked_units(arguments))
+        (folder / "report.html").write_text(page, encoding="utf-8")
         for name, simulation in execution.simulations.items():
             (folder / f"samples-{name}.csv").write_text(simulation_csv(simulation), encoding="utf-8")
         write_svg(folder, execution_pictures(execution))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from puma_septic.assessment import Assessment, assess
 from puma_septic.batch._metrics import Metrics, metrics_of
 from puma_septic.batch._stack import stacked
+from puma_septic.document import card, one_line
 from puma_septic.errors import InputError
 from puma_septic.limit_check import AT_LIMIT, most_used_first
 from puma_septic.quantities import QUANTITIES
@@ -87,6 +88,15 @@ class ManyAssessments:
 
     def __len__(self) -> int:
         return len(self.duration)
+
+    def __repr__(self) -> str:
+        return one_line("ManyAssessments", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("ManyAssessments", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {"robot": self.robot.name, "motions": len(self), "feasible": int(np.sum(self.is_feasible))}
 
 
 def assess_many(robot: Robot, trajectories: Iterable[Trajectory]) -> ManyAssessments:

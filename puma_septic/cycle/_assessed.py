@@ -12,7 +12,7 @@ import numpy as np
 from puma_septic.assessment import Assessment, assess
 from puma_septic.cycle._cycle import Cycle
 from puma_septic.cycle._steps import Dwell
-from puma_septic.document import SCHEMAS, plain
+from puma_septic.document import SCHEMAS, one_line, plain
 from puma_septic.errors import InputError
 from puma_septic.limit_check import LimitCheck
 from puma_septic.motion import Motion
@@ -157,7 +157,10 @@ class CycleAssessment:
         return view.text(self.to_dict())
 
     def __repr__(self) -> str:
-        return f"CycleAssessment({len(self.motions)} motions, {self.cycle.duration:g} s: {self.verdict})"
+        duration = f"{self.cycle.duration:g} s"
+        return one_line(
+            "CycleAssessment", {"motions": len(self.motions), "duration": duration, "verdict": self.verdict}
+        )
 
     def _repr_html_(self) -> str:
         return view.html(self.to_dict())

@@ -8,6 +8,7 @@ from typing import Final, final
 
 import numpy as np
 
+from puma_septic.document import card, known, one_line
 from puma_septic.drives._part_checks import (
     BACKWARD_SHARE,
     NOT_NEGATIVE,
@@ -97,3 +98,26 @@ class LinearStage:
             return np.ones(3)
         backward = self.efficiency if np.isnan(self.backward_efficiency) else self.backward_efficiency
         return np.array([backward, 1.0, 1 / self.efficiency])
+
+    def __repr__(self) -> str:
+        return one_line("LinearStage", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("LinearStage", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return known(
+            self,
+            {
+                "kind": "",
+                "name": "",
+                "travel_per_turn": "m",
+                "efficiency": "",
+                "inertia": "kg m^2",
+                "max_force": "N",
+                "max_speed": "m/s",
+                "mass": "kg",
+                "cost": "",
+                "source": "",
+            },
+        )

@@ -7,6 +7,7 @@ from typing import final
 
 import numpy as np
 
+from puma_septic.document import card, known, one_line
 from puma_septic.drives._part_checks import NOT_NEGATIVE, POSITIVE, check_texts, check_values
 
 __all__ = ["Supply"]
@@ -64,3 +65,26 @@ class Supply:
         }  # fmt: skip
         check_values(self, positive, POSITIVE)
         check_values(self, {"storable_energy": "J", "standby_power": "W", "mass": "kg", "cost": ""}, NOT_NEGATIVE)
+
+    def __repr__(self) -> str:
+        return one_line("Supply", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Supply", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return known(
+            self,
+            {
+                "name": "",
+                "bus_voltage": "V",
+                "peak_power": "W",
+                "continuous_power": "W",
+                "max_current": "A",
+                "storable_energy": "J",
+                "brake_resistor_power": "W",
+                "mass": "kg",
+                "cost": "",
+                "source": "",
+            },
+        )

@@ -9,6 +9,7 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from puma_septic.document import card, one_line
 from puma_septic.dynamics import check_inertia, payload_torque, rigid_torque
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.kinematics import checked_joint_values
@@ -68,6 +69,15 @@ class PayloadPolygon:
             share = side / (side - other)
         crossing = np.where((share >= 0) & (share <= 1), x[:, None] + share * (following[:, :1] - x[:, None]), 0.0)
         return np.asarray(np.fmax(crossing, np.where(np.abs(side) <= 0, x[:, None], 0.0)).max(axis=0))
+
+    def __repr__(self) -> str:
+        return one_line("PayloadPolygon", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("PayloadPolygon", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {"corners": len(self.corners), "governing": ", ".join(dict.fromkeys(map(str, self.governing)))}
 
 
 def payload_polygon(robot: Robot, q: ArrayLike, *, direction: ArrayLike = (0.0, 0.0, 1.0)) -> PayloadPolygon:

@@ -8,7 +8,7 @@ from typing import Any, Final, final
 import numpy as np
 
 from puma_septic.assessment import Assessment, assess
-from puma_septic.document import SCHEMAS, plain
+from puma_septic.document import SCHEMAS, card, one_line, plain
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.limit_check import AT_LIMIT, LimitCheck, most_used_first
 from puma_septic.limits._demands import Demand
@@ -110,6 +110,20 @@ class MinimumDuration:
 
     def __str__(self) -> str:
         return view.duration_text(self.to_dict())
+
+    def __repr__(self) -> str:
+        return one_line("MinimumDuration", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("MinimumDuration", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "robot": self.motion.robot.name,
+            "duration": f"{self.duration:.6g} s",
+            "factor": f"{self.factor:.6g}",
+            "governing": str(self.governing),
+        }
 
 
 def minimum_duration(motion: Motion) -> MinimumDuration:

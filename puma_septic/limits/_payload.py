@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from puma_septic.assessment import Assessment, assess
-from puma_septic.document import SCHEMAS, plain
+from puma_septic.document import SCHEMAS, card, one_line, plain
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.limit_check import LimitCheck, most_used_first
 from puma_septic.limits._demands import Demand
@@ -135,6 +135,15 @@ class MaximumPayload:
 
     def __str__(self) -> str:
         return view.payload_text(self.to_dict())
+
+    def __repr__(self) -> str:
+        return one_line("MaximumPayload", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("MaximumPayload", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {"robot": self.motion.robot.name, "mass": f"{self.mass:.6g} kg", "governing": str(self.governing)}
 
 
 # What a payload does not change.

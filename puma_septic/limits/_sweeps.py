@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from puma_septic.assessment import Assessment, assess
-from puma_septic.document import SCHEMAS, csv_text, plain
+from puma_septic.document import SCHEMAS, card, csv_text, one_line, plain
 from puma_septic.dynamics import check_plain_friction, payload_torque, rigid_torque
 from puma_septic.errors import InputError
 from puma_septic.limit_check import AT_LIMIT
@@ -121,6 +121,20 @@ class Sweep:
             )
         ]  # fmt: skip
         return csv_text([[*head, *(f"RMS torque {name}" for name in names)], *rows])
+
+    def __repr__(self) -> str:
+        return one_line("Sweep", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Sweep", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "robot": self.motion.robot.name,
+            "durations": np.size(self.durations),
+            "masses": np.size(self.masses),
+            "feasible": int(np.sum(self.is_feasible)),
+        }
 
 
 def duration_sweep(motion: Motion, durations: ArrayLike) -> Sweep:

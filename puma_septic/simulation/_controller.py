@@ -11,7 +11,7 @@ from typing import Any, Final, NamedTuple, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.document import plain
+from puma_septic.document import card, one_line, plain
 from puma_septic.dynamics import mass_matrix
 from puma_septic.errors import InputError
 from puma_septic.robot import Robot
@@ -212,6 +212,20 @@ class Controller:
             **plain({name: np.asarray(value, dtype=np.float64) for name, value in numbers.items()}),
             "has_own_model": self.model is not None,
             "has_own_gains": self.gains is not None,
+        }
+
+    def __repr__(self) -> str:
+        return one_line("Controller", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Controller", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "law": self.law,
+            "bandwidth": f"{np.max(self.bandwidth):g} Hz",
+            "damping ratio": f"{self.damping_ratio:g}",
+            "rate": "about 1 kHz" if self.rate is None else f"{self.rate:g} Hz",
         }
 
 

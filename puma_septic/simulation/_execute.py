@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, final
 
-from puma_septic.document import SCHEMAS
+from puma_septic.document import SCHEMAS, one_line
 from puma_septic.errors import InputError
 from puma_septic.robot import Robot
 from puma_septic.simulation._controller import Controller, controller_of
@@ -94,6 +94,17 @@ class Execution:
 
     def _repr_html_(self) -> str:
         return view.html(self.to_dict())
+
+    def __repr__(self) -> str:
+        return one_line("Execution", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "robot": self.robot.name,
+            "controller": self.controller.law,
+            "trajectories": ", ".join(self.simulations),
+            "diverged": "yes" if self.has_diverged else "no",
+        }
 
 
 def execute(

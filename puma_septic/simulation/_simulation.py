@@ -9,7 +9,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.document import SCHEMAS, plain
+from puma_septic.document import SCHEMAS, one_line, plain
 from puma_septic.kinematics import forward_kinematics
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
@@ -273,6 +273,17 @@ class Simulation:
 
     def _repr_html_(self) -> str:
         return view.simulation_html(self.to_dict())
+
+    def __repr__(self) -> str:
+        return one_line("Simulation", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "robot": self.robot.name,
+            "profile": self.trajectory.profile,
+            "controller": self.controller.law,
+            "diverged": "yes" if self.has_diverged else "no",
+        }
 
 
 def _quintics(t: Array, q: Array, v: Array, a: Array) -> Piecewise:

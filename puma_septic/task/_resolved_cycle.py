@@ -10,6 +10,7 @@ import numpy as np
 
 from puma_septic import paths, profiles
 from puma_septic.cycle import Cycle, CycleAssessment, Dwell, assess_cycle, way_back
+from puma_septic.document import card, one_line
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.kinematics import forward_kinematics, inverse_kinematics
 from puma_septic.motion import Motion, compute_motion
@@ -70,6 +71,20 @@ class ResolvedCycle:
         CycleAssessment
         """
         return assess_cycle(self.cycle, names=self.names, tool_limits=tool_limits(self.task), floor=self.task.floor)
+
+    def __repr__(self) -> str:
+        return one_line("ResolvedCycle", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("ResolvedCycle", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "task": self.task.name,
+            "robot": self.robot.name,
+            "motions": ", ".join(self.names),
+            "duration": f"{self.cycle.duration:g} s",
+        }
 
 
 def resolve_cycle(task: Task) -> ResolvedCycle:

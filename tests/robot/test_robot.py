@@ -144,7 +144,10 @@ def test_two_loads_are_the_same_robot(tmp_path: Path) -> None:
 
 
 def test_notes_of_the_puma_name_its_unphysical_tensors(puma: ps.Robot) -> None:
-    """As Corke's Robotics Toolbox has them, after Armstrong, Khatib, Burdick 1986: link 1 unmeasured but for Izz, link 3 with A + B < C."""
+    """As Corke's Robotics Toolbox has them, after Armstrong, Khatib, Burdick 1986.
+
+    Link 1 is unmeasured but for Izz, link 3 has A + B < C.
+    """
     assert "link 'link1': mass 0 with an inertia, used as it is" in puma.notes
     assert any(note.startswith("link 'link3': principal moments 0.0125 + 0.066 < 0.086") for note in puma.notes)
     assert puma.missing_inertia == ()

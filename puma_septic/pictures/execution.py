@@ -13,7 +13,7 @@ from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array
 from puma_septic.vibration import residual_vibration
 
-__all__ = ["execution_pictures", "spectrum_picture", "stops_picture"]
+__all__ = ["execution_pictures", "spectrum_picture", "stops_picture", "tracking_picture"]
 
 # Points of a drawn curve.
 _POINTS: Final = 800
@@ -27,10 +27,16 @@ _DEEPEST: Final = 1e-7
 def execution_pictures(execution: Execution) -> tuple[Picture, ...]:
     """Tool and joint errors over time, and the vibration that the planned motions leave in a joint's spring."""
     moves = {name: one.trajectory for name, one in execution.simulations.items()}
-    return (_errors(execution), spectrum_picture(moves))
+    return (tracking_picture(execution), spectrum_picture(moves))
 
 
-def _errors(execution: Execution) -> Picture:
+def tracking_picture(execution: Execution) -> Picture:
+    """Errors of the tool and of all joints over time.
+
+    Returns
+    -------
+    Picture
+    """
     simulations = {name: one for name, one in execution.simulations.items() if len(one.t) > 1}
     unit = "rad, m" if execution.robot.is_prismatic.any() else "rad"
     tool = [_curve(k, name, one, 1e3 * one.tool_error) for k, (name, one) in enumerate(simulations.items())]

@@ -6,6 +6,7 @@ Ito's, told apart by colour-blind readers, one a profile. Every axis has its uni
 
 from puma_septic.plots._comparison import plot_comparison, plot_pareto_front, plot_payload
 from puma_septic.plots._drawing import draw
+from puma_septic.plots._execution import plot_residual_vibration, plot_stops, plot_tracking
 from puma_septic.plots._motion import (
     plot_joints,
     plot_tool,
@@ -33,13 +34,16 @@ __all__ = [
     "plot_pareto_front",
     "plot_payload",
     "plot_ratio_sweep",
+    "plot_residual_vibration",
     "plot_sizing_torque_split",
     "plot_sizing_utilisation",
+    "plot_stops",
     "plot_tool",
     "plot_torque",
     "plot_torque_speed",
     "plot_torque_split",
     "plot_torque_velocity",
+    "plot_tracking",
     "plot_trajectory",
     "plot_utilisation",
     "plot_winding_temperature",

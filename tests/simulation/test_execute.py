@@ -124,6 +124,13 @@ def test_pictures(puma: ps.Robot) -> None:
     assert "not a safety function" in stops.footnote
 
 
+def test_figures(puma: ps.Robot) -> None:
+    assert len(ps.plots.plot_tracking(executed()).axes) == 7
+    moves = {name: one.trajectory for name, one in executed().simulations.items()}
+    assert len(ps.plots.plot_residual_vibration(moves).axes) == 1
+    assert len(ps.plots.plot_stops(stop_table(puma, load=2.5, fractions=(1.0,))).axes) == 3
+
+
 def test_nothing_to_execute(puma: ps.Robot) -> None:
     with pytest.raises(ps.InputError, match=r"an execution needs at least one trajectory"):
         ps.execute(puma, {})

@@ -183,7 +183,8 @@ class Controller:
         """
         n = model.n_joints
         if self.gains is not None:
-            return Gains(*(np.broadcast_to(np.asarray(one, dtype=np.float64), (n,)) for one in self.gains))
+            given = zip(Gains._fields, self.gains, strict=True)
+            return Gains(*(checked_array(f"{name} gain", one, (n,)) for name, one in given))
         is_normalised = self.law == "computed_torque"
         m = np.ones(n) if is_normalised else np.diagonal(mass_matrix(model, q[None])[0])
         w = 2 * np.pi * np.broadcast_to(np.asarray(self.bandwidth, dtype=np.float64), (n,))

@@ -23,7 +23,7 @@ METRICS: Final = {
     "saturation_time": "how long a joint's torque was at its limit, s",
     "chattering": "travel of a joint's torque per second beyond that of the planned torque, N m/s (N/s)",
     "residual_vibration": "half the range of a joint after the end (of its deflection, if elastic), rad (m)",
-    "energy_in": "what a joint's actuator put in, J",
+    "energy_in": "positive work of a joint's actuator, J",
     "tool_peak_error": "largest distance of the tool from its plan, m",
     "tool_rms_error": "its root mean square during the motion, m",
     "tool_end_error": "at the end of the motion, m",

@@ -1,7 +1,7 @@
 """The arm as it moves under torques: rigid, or with elastic gears, with the friction law made smooth at rest.
 
-A state has the shape (n_parts, n_rows, n_joints): position and velocity of the links, the work of the actuators, what
-they put in, what friction and a wrench take; of an elastic arm also position and velocity of the motors, at the joint.
+A state has the shape (n_parts, n_rows, n_joints): position and velocity of the links, the work of the actuators,
+what friction and a wrench take; of an elastic arm also position and velocity of the motors, at the joint.
 """
 
 from __future__ import annotations
@@ -19,10 +19,9 @@ from puma_septic.robot import Actuator, Robot
 from puma_septic.simulation._elasticity import ElasticJoints
 from puma_septic.validation import Array
 
-__all__ = ["INPUT", "LOSS", "POSITION", "VELOCITY", "WORK", "Plant"]
+__all__ = ["LOSS", "POSITION", "VELOCITY", "WORK", "Plant"]
 
-POSITION, VELOCITY, WORK, INPUT, LOSS = range(5)
-_MOTOR, _MOTOR_VELOCITY = 5, 6
+POSITION, VELOCITY, WORK, LOSS, _MOTOR, _MOTOR_VELOCITY = range(6)
 # The largest product of a rate and the step with which RK4 follows a decay well: e^-1.5 is met within 8 %.
 _WELL: Final = 1.5
 
@@ -94,7 +93,7 @@ class Plant:
     def state(self, q: Array, v: Array) -> Array:
         """The state at a posture and velocity, shape (n_rows, n_joints) each; elastic gears carry the weight."""
         nothing = np.zeros_like(q)
-        parts = [q, v, nothing, nothing, nothing]
+        parts = [q, v, nothing, nothing]
         if self.elastic:
             weight = rigid_torque(self.links, q, nothing, nothing)
             parts += [q + weight / self.stiffness, v]
@@ -128,9 +127,7 @@ class Plant:
         return result
 
     def _account(self, result: Array, tau: Array, v: Array, taken: Array) -> None:
-        power = tau * v
-        result[WORK] = power
-        result[INPUT] = np.maximum(power, 0.0)
+        result[WORK] = tau * v
         result[LOSS] = taken
 
     def _wrench_power(self, q: Array, v: Array) -> Array | float:

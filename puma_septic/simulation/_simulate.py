@@ -12,14 +12,14 @@ from puma_septic.dynamics import check_inertia
 from puma_septic.errors import InputError
 from puma_septic.motion import check_joints
 from puma_septic.robot import Robot
-from puma_septic.simulation._controller import Controller, controller_of
+from puma_septic.simulation._controller import Controller, Gains, controller_of
 from puma_septic.simulation._elasticity import ElasticJoints
 from puma_septic.simulation._integration import Commander, Schedule, run
 from puma_septic.simulation._plant import Plant
 from puma_septic.simulation._reference import reference_at
 from puma_septic.simulation._simulation import Simulation
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import checked_number
+from puma_septic.validation import Array, checked_number
 
 __all__ = ["LARGEST_STEP", "REST_SPEED", "simulate", "simulate_all"]
 
@@ -135,20 +135,10 @@ def simulate_all(
     if springs and len(springs) != len(trajectories):
         raise InputError(f"elastic: {len(springs)} given for {len(trajectories)} trajectories")
     plant = Plant.of(robot, springs, rest_speed)
-    starts = [reference_at(trajectory, np.zeros(1)) for trajectory in trajectories]
-    q = np.concatenate([start.q for start in starts])
-    begins = np.array([[0.0 if one.rest_before else 1.0] for one in trajectories])
-    v = np.concatenate([start.v for start in starts]) * begins
+    q, v = _starts(trajectories)
     largest = _checked_step(step, min(plant.largest_step(row) for row in q))
     schedule = _schedule(trajectories, chosen, settle, largest)
-    model = robot if chosen.model is None else chosen.model
-    commander = Commander(
-        controller=chosen,
-        model=model,
-        gains=chosen.gains_for(model, q[0]),
-        limits=np.where(np.isnan(robot.limits.effort), np.inf, robot.limits.effort),
-        rest_speed=rest_speed,
-    )
+    commander = _commander(robot, chosen, q, rest_speed)
     records = run(plant, commander, trajectories, schedule, plant.state(q, v))
     return tuple(
         Simulation(
@@ -165,7 +155,29 @@ def simulate_all(
     )
 
 
+def _starts(trajectories: Sequence[Trajectory]) -> tuple[Array, Array]:
+    """Where and how fast each row begins, shape (n_rows, n_joints): on its plan, at rest where that begins at rest."""
+    starts = [reference_at(trajectory, np.zeros(1)) for trajectory in trajectories]
+    moving = np.array([[not trajectory.rest_before] for trajectory in trajectories])
+    return np.concatenate([start.q for start in starts]), moving * np.concatenate([start.v for start in starts])
+
+
+def _commander(robot: Robot, controller: Controller, q: Array, rest_speed: float) -> Commander:
+    """With the gains of each row's first point."""
+    model = robot if controller.model is None else controller.model
+    gains = [controller.gains_for(model, row) for row in q]
+    return Commander(
+        controller=controller,
+        model=model,
+        gains=Gains(*(np.stack(parts) for parts in zip(*gains, strict=True))),
+        limits=np.where(np.isnan(robot.limits.effort), np.inf, robot.limits.effort),
+        rest_speed=rest_speed,
+    )
+
+
 def _check(robot: Robot, trajectories: Sequence[Trajectory], controller: Controller) -> None:
+    if not trajectories:
+        raise InputError("a simulation needs at least one trajectory")
     for trajectory in trajectories:
         check_joints(robot, trajectory)
     check_inertia(robot)

@@ -18,7 +18,7 @@ from puma_septic.simulation._elasticity import ElasticJoints
 from puma_septic.simulation._integration import Divergence, Record
 from puma_septic.simulation._laws import planned_torque
 from puma_septic.simulation._metrics import METRICS, Metrics, peak_rms_end, settling_time, travel
-from puma_septic.simulation._plant import INPUT, LOSS, POSITION, VELOCITY, WORK, Plant
+from puma_septic.simulation._plant import LOSS, POSITION, VELOCITY, WORK, Plant
 from puma_septic.simulation._reference import Reference, reference_at
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, read_only
@@ -221,7 +221,7 @@ class Simulation:
             saturation_time=self.is_saturated[:-1].T @ np.diff(t),
             chattering=np.maximum(travel(self.torque) - travel(planned), 0.0) / max(t[-1], 1e-300),
             residual_vibration=_half_range(swings[after]),
-            energy_in=self.saved.states[-1, INPUT].copy(),
+            energy_in=np.maximum(np.diff(self.saved.states[:, WORK], axis=0), 0.0).sum(axis=0),
             tool_peak_error=float(tool[0][0]),
             tool_rms_error=float(tool[1][0]),
             tool_end_error=float(tool[2][0]),

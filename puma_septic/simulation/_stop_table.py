@@ -188,6 +188,31 @@ def stop_table(
     reaction = braking[1] if braking else checked_number("reaction_time", reaction_time or 0.0, unit="s", at_least=0.0)
     check_inertia(robot)
     reach, postures = extended_postures(robot, shares)
+    rows = _rows(robot, names, full, shares, postures, payload, braking, reaction)
+    return StopTable(
+        robot=robot,
+        category=category,
+        reaction_time=reaction,
+        full_load=payload.mass,
+        full_speed=full,
+        reach=reach,
+        postures=postures,
+        rows=tuple(sorted(rows, key=lambda row: (names.index(row.joint), row.load, row.extension, row.speed))),
+    )
+
+
+def _rows(
+    robot: Robot,
+    names: Sequence[str],
+    full: Array,
+    shares: Array,
+    postures: Array,
+    payload: Payload,
+    braking: tuple[Array, float] | None,
+    reaction: float,
+) -> list[StopRow]:
+    """All stops of a load at once, each in both directions, of which the worse one counts."""
+    moving = np.array([robot.joint_index(name) for name in names])
     cases = list(itertools.product(range(len(moving)), range(len(shares)), range(len(shares)), (1, -1)))
     q = np.array([postures[e] for _, _, e, _ in cases])
     v = np.zeros_like(q)
@@ -203,16 +228,7 @@ def stop_table(
             where = float(shares[s]), float(shares[e]), float(part)
             results = (float(values[worse]) for values in (durations, angles, others))
             rows.append(StopRow(names[k], *where, *results))
-    return StopTable(
-        robot=robot,
-        category=category,
-        reaction_time=reaction,
-        full_load=payload.mass,
-        full_speed=full,
-        reach=reach,
-        postures=postures,
-        rows=tuple(sorted(rows, key=lambda row: (names.index(row.joint), row.load, row.extension, row.speed))),
-    )
+    return rows
 
 
 def extended_postures(robot: Robot, fractions: Array) -> tuple[float, Array]:

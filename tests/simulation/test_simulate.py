@@ -175,7 +175,7 @@ def test_the_same_inputs_give_the_same_samples_alone_or_side_by_side(puma: ps.Ro
 
 def test_rows_have_the_gains_of_their_own_first_points(puma: ps.Robot) -> None:
     """Once all rows had those of the first one, so that an arm tracked otherwise beside another than alone."""
-    folded = move().points + [0.0, -0.4, 0.6, 0.0, 0.5, 0.0]
+    folded = np.add(move().points, [0.0, -0.4, 0.6, 0.0, 0.5, 0.0])
     other = ps.quintic_segments(folded, [0.0, 0.4])
     alone = ps.simulate(puma, other, controller="pd", settle=0.0)
     beside = simulate_all(puma, [move(), other], controller="pd", settle=0.0)[1]

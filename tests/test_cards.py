@@ -45,13 +45,12 @@ def task() -> ps.ResolvedTask:
 
 
 @cache
-def short() -> ps.Trajectory:
-    return ps.quintic_segments([[0.0] * 6, [0.05] * 6], [0.0, 0.3])
-
-
-@cache
 def whole_cycle() -> Any:
     return resolve_cycle(make_task(CYCLE))
+
+
+def hop() -> ps.Trajectory:
+    return ps.quintic_segments([[0.0] * 6, [0.02] * 6], [0.0, 0.1])
 
 
 def pose() -> Any:
@@ -65,14 +64,14 @@ VALUES: dict[str, Callable[[], Any]] = {
     "Assessment": assessment,
     "Catalogue": lambda: ps.built_in_catalogue("example"),
     "Comparison": lambda: ps.compare(ps.load_robot(), VIAS, [0.0, 1.0, 2.0], profiles=["quintic", "linear"]),
-    "Controller": ps.Controller,
+    "Controller": lambda: ps.Controller(law="pd", rate=500.0),
     "Cycle": cycle,
     "CycleAssessment": lambda: whole_cycle().assess(),
     "Drive": lambda: ps.Drive(name="amplifier", bus_voltage=48.0),
     "Drivetrain": lambda: ps.own_drivetrains(ps.load_robot())[0],
     "Dwell": lambda: ps.Dwell(0.5),
-    "ElasticJoints": lambda: ps.ElasticJoints(stiffness=[2e4], damping=[10.0]),
-    "Execution": lambda: ps.execute(ps.load_robot(), {"quintic": short()}),
+    "ElasticJoints": lambda: ps.ElasticJoints.of_frequency(ps.load_robot(), [0.0] * 6, 12.0),
+    "Execution": lambda: ps.execute(ps.load_robot(), {"quintic": hop()}, settle=0.0),
     "Friction": lambda: ps.Friction(viscous=0.1, coulomb=[0.3, -0.3]),
     "Gearbox": lambda: ps.Gearbox(ratio=100.0),
     "IkSolutions": lambda: ps.inverse_kinematics(ps.load_robot(), pose()),
@@ -81,7 +80,7 @@ VALUES: dict[str, Callable[[], Any]] = {
     ),
     "Limits": lambda: ps.load_robot().limits,
     "LinearStage": lambda: ps.LinearStage(kind="screw", travel_per_turn=0.01, efficiency=0.9),
-    "ManyAssessments": lambda: ps.assess_many(ps.load_robot(), [short()]),
+    "ManyAssessments": lambda: ps.assess_many(ps.load_robot(), [hop()]),
     "MaximumPayload": lambda: ps.maximum_payload(assessment().motion),
     "MinimumDuration": lambda: ps.minimum_duration(assessment().motion),
     "Motion": lambda: assessment().motion,
@@ -104,8 +103,8 @@ VALUES: dict[str, Callable[[], Any]] = {
     "ResolvedTask": task,
     "Robot": ps.load_robot,
     "Selection": lambda: ps.size(cycle(), catalogue=ps.built_in_catalogue("example")),
+    "Simulation": lambda: ps.simulate(ps.load_robot(), hop(), settle=0.0),
     "Sizing": lambda: ps.size(cycle()),
-    "Simulation": lambda: ps.simulate(ps.load_robot(), short()),
     "Supply": lambda: ps.Supply(name="48 V", bus_voltage=48.0),
     "Sweep": lambda: ps.duration_sweep(assessment().motion, [2.0, 3.0]),
     "Task": lambda: ps.load_task("paper"),

@@ -37,7 +37,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         choices=_LAWS,
         default="computed_torque",
         metavar="LAW",
-        help=f"control law: {', '.join(_LAWS)} (default: computed_torque)",
+        help=f"{', '.join(_LAWS[:-1])} or {_LAWS[-1]} (default)",
     )
     parser.add_argument("--bandwidth", type=positive, default=5.0, metavar="HZ", help="of the gains (default: 5)")
     parser.add_argument(
@@ -68,7 +68,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     add_verbose(parser)
     add_format(parser, "text", "json", "csv")
-    add_out(parser, "report.html, JSON, CSV and samples")
+    add_out(parser, "report.html, JSON, CSV, samples and figures")
 
 
 def run(arguments: Namespace) -> Answer:

@@ -57,6 +57,7 @@ def _executed(resolved: ResolvedTask, arguments: Namespace) -> Execution:
 def _write_folder(arguments: Namespace, execution: Execution, title: str) -> None:
     """Report, document, table and samples."""
     from puma_septic.pictures.execution import execution_pictures
+    from puma_septic.report.figures import write_png
     from puma_septic.report.page import report_html
     from puma_septic.report.simulated import simulation_csv
     from puma_septic.report.svg import write_svg
@@ -68,4 +69,7 @@ def _write_folder(arguments: Namespace, execution: Execution, title: str) -> Non
         (folder / "report.html").write_text(page, encoding="utf-8")
         for name, simulation in execution.simulations.items():
             (folder / f"samples-{name}.csv").write_text(simulation_csv(simulation), encoding="utf-8")
-        write_svg(folder, execution_pictures(execution))
+        pictures = execution_pictures(execution)
+        write_svg(folder, pictures)
+        if not arguments.no_png:
+            write_png(folder, pictures)

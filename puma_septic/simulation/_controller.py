@@ -120,6 +120,21 @@ class Controller:
                 f" a rate, such as {USUAL_RATE:g} Hz"
             )
 
+    def __repr__(self) -> str:
+        return one_line("Controller", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Controller", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        rate = "nearest to 1 kHz" if self.rate is None else "each stage" if self.is_continuous else f"{self.rate:g} Hz"
+        return {
+            "law": self.law,
+            "bandwidth": f"{', '.join(f'{value:g}' for value in np.ravel(np.asarray(self.bandwidth)))} Hz",
+            "rate": rate,
+            "model": "the arm itself" if self.model is None else self.model.name,
+        }
+
     @property
     def is_continuous(self) -> bool:
         """Whether it is evaluated at every stage of the integrator."""
@@ -213,20 +228,6 @@ class Controller:
             **plain({name: np.asarray(value, dtype=np.float64) for name, value in numbers.items()}),
             "has_own_model": self.model is not None,
             "has_own_gains": self.gains is not None,
-        }
-
-    def __repr__(self) -> str:
-        return one_line("Controller", self._facts())
-
-    def _repr_html_(self) -> str:
-        return card("Controller", self._facts())
-
-    def _facts(self) -> dict[str, object]:
-        return {
-            "law": self.law,
-            "bandwidth": f"{np.max(self.bandwidth):g} Hz",
-            "damping ratio": f"{self.damping_ratio:g}",
-            "rate": "about 1 kHz" if self.rate is None else f"{self.rate:g} Hz",
         }
 
 

@@ -8,7 +8,7 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.document import card, known, one_line
+from puma_septic.document import card, one_line
 from puma_septic.errors import InputError
 from puma_septic.robot import Robot
 from puma_septic.validation import Array, checked_array, checked_number
@@ -67,6 +67,16 @@ class ElasticJoints:
         object.__setattr__(self, "stiffness", stiffness)
         object.__setattr__(self, "damping", damping)
 
+    def __repr__(self) -> str:
+        return one_line("ElasticJoints", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("ElasticJoints", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        stiffness = ", ".join(f"{value:.3g}" for value in self.stiffness)
+        return {"joints": len(self.stiffness), "stiffness": f"{stiffness} N m/rad", "source": self.source}
+
     @classmethod
     def of_frequency(
         cls, robot: Robot, q: ArrayLike, frequency: ArrayLike, *, damping_ratio: float = 0.02
@@ -100,12 +110,3 @@ class ElasticJoints:
         stiffness = stiffness_for(robot, q, frequency)
         omega = 2 * np.pi * np.broadcast_to(np.asarray(frequency, dtype=np.float64), (robot.n_joints,))
         return cls(stiffness=stiffness, damping=2 * ratio * stiffness / omega, source=ASSUMED)
-
-    def __repr__(self) -> str:
-        return one_line("ElasticJoints", self._facts())
-
-    def _repr_html_(self) -> str:
-        return card("ElasticJoints", self._facts())
-
-    def _facts(self) -> dict[str, object]:
-        return known(self, {"stiffness": "N m/rad", "damping": "N m s/rad", "source": ""})

@@ -92,19 +92,11 @@ class Execution:
     def __str__(self) -> str:
         return view.text(self.to_dict())
 
+    def __repr__(self) -> str:
+        return one_line("Execution", {"robot": self.robot.name, "trajectories": ", ".join(self.simulations)})
+
     def _repr_html_(self) -> str:
         return view.html(self.to_dict())
-
-    def __repr__(self) -> str:
-        return one_line("Execution", self._facts())
-
-    def _facts(self) -> dict[str, object]:
-        return {
-            "robot": self.robot.name,
-            "controller": self.controller.law,
-            "trajectories": ", ".join(self.simulations),
-            "diverged": "yes" if self.has_diverged else "no",
-        }
 
 
 def execute(

@@ -271,19 +271,24 @@ class Simulation:
     def __str__(self) -> str:
         return view.simulation_text(self.to_dict())
 
-    def _repr_html_(self) -> str:
-        return view.simulation_html(self.to_dict())
-
     def __repr__(self) -> str:
         return one_line("Simulation", self._facts())
 
     def _facts(self) -> dict[str, object]:
+        lost = self.divergence
+        errors = (
+            f"diverged at {lost.time:.4g} s" if lost else f"{1e3 * self.metrics.tool_rms_error:.3g} mm rms at the tool"
+        )
         return {
             "robot": self.robot.name,
             "profile": self.trajectory.profile,
             "controller": self.controller.law,
-            "diverged": "yes" if self.has_diverged else "no",
+            "samples": len(self.t),
+            "error": errors,
         }
+
+    def _repr_html_(self) -> str:
+        return view.simulation_html(self.to_dict())
 
 
 def _quintics(t: Array, q: Array, v: Array, a: Array) -> Piecewise:

@@ -9,6 +9,7 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from puma_septic.document import card, one_line
 from puma_septic.dynamics import check_inertia
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.kinematics import forward_kinematics
@@ -87,6 +88,21 @@ class Stop:
     def tool_distance(self) -> float:
         """The largest displacement of the tool from where it is at the command, m."""
         return _tool_distance(self.motion.robot, self.q)
+
+    def __repr__(self) -> str:
+        return one_line("Stop", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("Stop", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "category": self.category,
+            "at": f"{self.t:.4g} s",
+            "duration": f"{self.duration:.4g} s",
+            "tool": f"{1e3 * self.tool_distance:.3g} mm",
+            "note": NOT_A_SAFETY_FUNCTION,
+        }
 
     def __str__(self) -> str:
         joints = ", ".join(

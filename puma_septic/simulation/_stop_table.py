@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import minimize
 
-from puma_septic.document import SCHEMAS, plain
+from puma_septic.document import SCHEMAS, one_line, plain
 from puma_septic.dynamics import check_inertia
 from puma_septic.errors import InputError
 from puma_septic.kinematics import forward_kinematics
@@ -131,6 +131,10 @@ class StopTable:
 
     def __str__(self) -> str:
         return view.text(self.to_dict())
+
+    def __repr__(self) -> str:
+        facts = {"robot": self.robot.name, "category": self.category, "joints": ", ".join(self.joints)}
+        return one_line("StopTable", {**facts, "load": f"{self.full_load:g} kg"})
 
     def _repr_html_(self) -> str:
         return view.html(self.to_dict())

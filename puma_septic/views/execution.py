@@ -44,7 +44,7 @@ _PROFILE_NOTE: Final = (
 def simulation_text(document: Document) -> str:
     """A table of the joints, and a sentence about the tool."""
     run = document["run"]
-    lines = [_head(document), ""]
+    lines = [*wrap(_head(document), _WIDTH), ""]
     if run["divergence"] is not None:
         return "\n".join([*lines, *wrap(_divergence(run["divergence"]), _WIDTH)])
     lines += [text_table(_JOINTS, _joint_rows(document)), *wrap(_JOINT_NOTE, _WIDTH), "", _tool(run["metrics"])]
@@ -63,7 +63,12 @@ def simulation_html(document: Document) -> str:
 
 def text(document: Document) -> str:
     """One row for each profile, and what they have in common."""
-    lines = [_common(document), "", text_table(_PROFILES, _profile_rows(document)), *wrap(_PROFILE_NOTE, _WIDTH)]
+    lines = [
+        *wrap(_common(document), _WIDTH),
+        "",
+        text_table(_PROFILES, _profile_rows(document)),
+        *wrap(_PROFILE_NOTE, _WIDTH),
+    ]
     for remark in _remarks(document):
         lines += ["", *wrap(remark, _WIDTH)]
     return "\n".join(lines)

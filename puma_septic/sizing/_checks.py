@@ -255,7 +255,7 @@ DRIVE_LIMITS: Final = (
     DriveLimit(
         quantity="gearbox repeated peak torque", demand="repeated_torque", limit="gearbox.max_repeated_torque",
         unit=_OUTPUT, kind="vendor procedure", source=lambda d: d.gear_rule.peaks,
-        needs="the gearbox's limit of repeated peaks; of a planetary one beyond 1000 cycles per hour its impact factor",
+        needs="the gearbox's limit of repeated peaks", why="why_no_repeated_torque",
     ),
     DriveLimit(
         quantity="gearbox momentary peak torque", demand="momentary_torque", limit="gearbox.max_momentary_torque",

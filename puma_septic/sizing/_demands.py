@@ -80,6 +80,14 @@ class Demands:
         peak = self.peak_load_torque
         return Peak(peak.size * impact_factor(self.train.gearbox, self.load.duration), peak.time)
 
+    @property
+    def why_no_repeated_torque(self) -> str:
+        """Why it is not known how the peaks of each cycle count; empty where it is."""
+        if not np.isnan(self.repeated_torque.size):
+            return ""
+        rate = 3600 / self.load.duration
+        return f"needs the planetary gearbox's impact factor, as {rate:.4g} cycles per hour are more than 1000"
+
     @cached_property
     def peak_torque(self) -> Peak:
         """Of the motor, N m."""

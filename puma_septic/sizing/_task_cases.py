@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from puma_septic.cycle import Cycle, Dwell, with_return
+from puma_septic.drives import Supply
 from puma_septic.errors import InputError
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.robot import Payload, Robot
@@ -34,7 +35,8 @@ def conditions_of(section: ConditionsSection | None) -> Conditions:
     """
     if section is None:
         return Conditions()
-    return Conditions(**section.model_dump(exclude_none=True, exclude=set(_OF_THE_CYCLE)))
+    supply = None if section.supply is None else Supply(**section.supply.model_dump(exclude_none=True))
+    return Conditions(**section.model_dump(exclude_none=True, exclude={*_OF_THE_CYCLE, "supply"}), supply=supply)
 
 
 def load_cases_of(resolved: ResolvedTask, *, one_way: bool = False) -> tuple[LoadCase, ...]:

@@ -30,6 +30,21 @@ Margins = Annotated[
 
 
 @final
+class SupplySection(Section):
+    """The bus that all drives share; see `puma_septic.drives.Supply`."""
+
+    name: Text = ""
+    bus_voltage: Positive | None = None
+    peak_power: Positive | None = None
+    continuous_power: Positive | None = None
+    max_current: Positive | None = None
+    storable_energy: NotNegative | None = None
+    brake_resistor_power: Positive | None = None
+    peak_brake_power: Positive | None = None
+    standby_power: NotNegative | None = None
+
+
+@final
 class ConditionsSection(Section):
     """What drives are held to besides the motion; see `puma_septic.sizing.Conditions`.
 
@@ -56,6 +71,10 @@ class ConditionsSection(Section):
     momentary_torque: PerJoint | None = None
     required_life_hours: PerJoint | None = None
     max_inertia_ratio: PerJoint | None = None
+    altitude: Positive | None = None
+    emergency_stops: PerJoint | None = None
+    emergency_duration: PerJoint | None = None
+    supply: SupplySection | None = None
     margins: Margins | None = None
     own_masses: tuple[NotNegative, ...] | None = None
 

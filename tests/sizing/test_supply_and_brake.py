@@ -13,6 +13,7 @@ import puma_septic as ps
 from puma_septic.limit_check import LimitCheck
 from puma_septic.sizing._brake import holding_torque, stop_energy
 from puma_septic.sizing._checks import NotAssessed
+from puma_septic.task import ConditionsSection
 
 # A sum over two hundred thousand samples; powers have kinks.
 SAMPLED = 1e-5
@@ -145,6 +146,19 @@ def test_a_sizing_holds_the_supply_that_its_conditions_name() -> None:
     assert sizing().to_dict()["supply"] is None
     with pytest.raises(ps.InputError, match="supply: expected a Supply, got dict"):
         ps.sizing.Conditions(supply={"peak_power": 3.0})  # type: ignore[arg-type]
+
+
+def test_a_task_s_conditions_have_supply_altitude_and_emergency_stops() -> None:
+    section = ConditionsSection.model_validate(
+        {"supply": {"name": "PSU", "peak_power": 500.0, "standby_power": 30.0}, "altitude": 1500.0,
+         "emergency_stops": 400.0, "emergency_duration": 0.2}
+    )  # fmt: skip
+    conditions = ps.sizing.conditions_of(section)
+    assert conditions.supply is not None
+    assert (conditions.supply.peak_power, conditions.supply.standby_power) == (500.0, 30.0)
+    place = conditions.places(["a"], None)[0]
+    assert (place.altitude, place.emergency_stops, place.emergency_duration) == (1500.0, 400.0, 0.2)
+    assert ps.sizing.conditions_of(None).supply is None
 
 
 def test_of_several_load_cases_the_worst_counts_for_the_supply() -> None:

@@ -661,3 +661,12 @@ def test_the_search_for_extrema_finds_all_turns_of_the_first_components(degree: 
         np.testing.assert_allclose(np.sort(2.0 + found), expected, rtol=1e-12)
     # The series is evaluated at other points at once, and rounded otherwise.
     np.testing.assert_allclose([extrema.min, extrema.t_max], [f.extrema().min, f.extrema().t_max], rtol=1e-13)
+
+
+def test_the_tail_of_a_series_is_its_last_eighth_and_at_least_two() -> None:
+    """One measure for fits and for the solver of winding temperatures."""
+    series = np.arange(17.0)[:, None] * [1.0, -2.0]
+    assert matrices.tail(series).tolist() == [16.0, 32.0]
+    series[15:] = 0.0
+    assert matrices.tail(series).tolist() == [0.0, 0.0]
+    assert matrices.tail(np.array([[3.0], [2.0], [1.0]])).tolist() == [2.0]

@@ -43,6 +43,11 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--one-way", action="store_true", help="the task's motion alone: no return, no steady winding temperature"
     )
+    parser.add_argument(
+        "--reserves",
+        action="store_true",
+        help="also the least cycle time and the largest payload of the drives (some seconds)",
+    )
     add_conditions(parser)
     add_format(parser, "text", "json", "csv")
     add_out(parser, "report, JSON, CSV, load profiles and figures")

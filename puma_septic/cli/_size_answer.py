@@ -21,13 +21,23 @@ from puma_septic.drives import (
     built_in_catalogue,
     load_catalogue,
 )
-from puma_septic.errors import InputError
+from puma_septic.errors import InputError, NoSolution
 from puma_septic.motion import Motion
 from puma_septic.report import new_folder, to_json
 from puma_septic.report.csv import bill_csv, checks_csv, load_profile_csv, motor_profile_csv, pairs_csv
 from puma_septic.report.folder import file_names
 from puma_septic.robot import load_drivetrains, load_electronics
-from puma_septic.sizing import LoadCase, Selection, Sizing, conditions_of, cycle_case, load_cases_of, size
+from puma_septic.sizing import (
+    LoadCase,
+    Selection,
+    Sizing,
+    conditions_of,
+    cycle_case,
+    largest_payload,
+    least_cycle_time,
+    load_cases_of,
+    size,
+)
 from puma_septic.task import ConditionsSection, Task, make_task, resolve_cycle, resolve_task
 from puma_septic.views import selection as selection_view
 from puma_septic.views import sizing as sizing_view
@@ -36,6 +46,8 @@ __all__ = ["answer"]
 
 # Pairs that are shown per joint unless --keep tells another number.
 _KEPT: Final = 3
+# Of reserves, relative.
+_TOLERANCE: Final = 0.01
 
 
 def answer(arguments: Namespace) -> Answer:
@@ -44,11 +56,26 @@ def answer(arguments: Namespace) -> Answer:
     found = _own_sizing(arguments, asked) if arguments.catalogue is None else _selection(arguments, asked)
     own = found.to_dict()
     conditions = {**_of_the_cycle(asked.conditions), **own["conditions"]}
-    document = {**asked.document, **own, "conditions": conditions, "inputs": _inputs(arguments)}
+    reserves = _reserves(found) if arguments.reserves else {}
+    document = {**asked.document, **own, "conditions": conditions, **reserves, "inputs": _inputs(arguments)}
     if arguments.out is not None:
         _write_folder(arguments, found, document, f"{asked.name}: sizing")
     text = with_report(_text(arguments, asked, found, document), arguments)
     return Answer(text, asked.code or _code(found))
+
+
+def _reserves(found: Sizing | Selection) -> dict[str, Any]:
+    """How much faster, and how much heavier, the drives could go; nothing where a joint has none."""
+    sizing = found if isinstance(found, Sizing) else found.sizing
+    if sizing is None:
+        return {}
+    ends: dict[str, Any] = {}
+    for name, search in (("cycle_time", least_cycle_time), ("payload", largest_payload)):
+        try:
+            ends[name] = search(sizing, tolerance=_TOLERANCE).to_dict()
+        except (InputError, NoSolution) as error:
+            ends[name] = {"why_not": str(error)}
+    return {"reserves": ends}
 
 
 def _of_the_cycle(section: ConditionsSection | None) -> dict[str, Any]:

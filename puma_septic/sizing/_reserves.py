@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Final, final
+from typing import Any, Final, final
 
 import numpy as np
 
@@ -47,6 +47,16 @@ class Reserve:
     tolerance: float
     sizing: Sizing
     governing: LimitCheck | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready.
+
+        Returns
+        -------
+        dict
+        """
+        governing = None if self.governing is None else self.governing.to_dict()
+        return {"value": self.value, "tolerance": self.tolerance, "governing": governing}
 
 
 def least_cycle_time(sizing: Sizing, *, tolerance: float = 1e-3) -> Reserve:

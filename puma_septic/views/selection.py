@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from puma_septic.document import csv_text, numeric
 from puma_septic.limit_check import LimitCheck
+from puma_septic.views.sizing import reserve_lines
 from puma_septic.views.tables import Cell, html_table, number, text_table
 
 __all__ = ["bill_csv", "html", "text"]
@@ -31,7 +32,7 @@ def text(document: Document) -> str:
     lines = [_title(document)]
     for head, table, note in _sections(document):
         lines += ["", f"{head}:", text_table(*table), *([note] if note else [])]
-    lines += ["", *_explanations(document)]
+    lines += ["", *reserve_lines(document), *_explanations(document)]
     return "\n".join([*lines, *(f"Note: {note}" for note in document["notes"])])
 
 
@@ -41,7 +42,7 @@ def html(document: Document) -> str:
     for head, table, note in _sections(document):
         together = html_table(*table).replace(" %</td>", "&nbsp;%</td>")
         parts += [f"<h4>{escape(head)}</h4>", together, *([f"<p>{escape(note)}</p>"] if note else [])]
-    lines = [*_explanations(document), *(f"Note: {note}" for note in document["notes"])]
+    lines = [*reserve_lines(document), *_explanations(document), *(f"Note: {note}" for note in document["notes"])]
     return "\n".join([*parts, *(f"<p>{escape(line)}</p>" for line in lines)])
 
 

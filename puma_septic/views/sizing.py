@@ -10,9 +10,9 @@ from typing import Any, Final
 from puma_septic.document import csv_text, numeric
 from puma_septic.limit_check import LimitCheck
 from puma_septic.views.checks import percent, read_checks
-from puma_septic.views.tables import Cell, html_table, text_table
+from puma_septic.views.tables import Cell, html_table, number, text_table
 
-__all__ = ["checks_csv", "html", "text"]
+__all__ = ["checks_csv", "html", "reserve_lines", "text"]
 
 Document = Mapping[str, Any]
 Table = tuple[list[str], list[list[Cell]]]
@@ -66,6 +66,20 @@ def _checks_of(document: Document) -> list[Any]:
     return [check for joint in document["joints"] for check in joint["checks"]] + of_supply
 
 
+def reserve_lines(document: Document) -> list[str]:
+    """What the drives could do more, where that was asked: a sentence each."""
+    words = {"cycle_time": ("least cycle time", "s"), "payload": ("largest payload", "kg")}
+    lines = []
+    for key, end in document.get("reserves", {}).items():
+        name, unit = words[key]
+        if "why_not" in end:
+            lines.append(f"{name}: {end['why_not']}")
+            continue
+        beyond = "" if end["governing"] is None else f"; beyond it {LimitCheck.from_dict(end['governing'])}"
+        lines.append(f"{name} {number(end['value'])} {unit}, to {100 * end['tolerance']:g} %{beyond}")
+    return lines
+
+
 def _head(document: Document) -> str:
     kind = "repeats" if document["is_periodic"] else "does not repeat"
     return (
@@ -113,6 +127,7 @@ def _compliance_table(document: Document) -> tuple[Table, str]:
 def _lists(document: Document) -> dict[str, list[str]]:
     unknown = [f"{joint}: {', '.join(missing)}" for joint, missing in document["lacking"].items()]
     lists = {
+        "Reserves": reserve_lines(document),
         "Not known of the least that decides a drive": unknown,
         "Not assessed": document["not_assessed"],
         "Remarks": document["remarks"],

@@ -37,6 +37,21 @@ def test_a_load_that_is_too_heavy(capsys: pytest.CaptureFixture[str]) -> None:
     assert "the worst: joint2 actuator effort at the joint" in " ".join(out.split())
 
 
+@pytest.mark.slow
+def test_reserves_of_the_arms_own_drives(capsys: pytest.CaptureFixture[str]) -> None:
+    """The question after the verdict: how much faster, how much heavier."""
+    code, out, _ = ask(capsys, "paper-turned", "--dwell", "0.5", "--reserves")
+    text = " ".join(out.split())
+    assert code == 0
+    assert "Reserves: least cycle time " in text
+    assert " s, to 1 %; beyond it joint" in text
+    assert "largest payload " in text
+    _, document, _ = ask(capsys, "paper-turned", "--dwell", "0.5", "--reserves", "--format", "json")
+    reserves = json.loads(document)["reserves"]
+    assert reserves["cycle_time"]["value"] < 19.0
+    assert reserves["payload"]["governing"]["utilisation"] > 1
+
+
 def test_json_of_both_kinds(capsys: pytest.CaptureFixture[str]) -> None:
     _, own, _ = ask(capsys, "--format", "json")
     _, chosen, _ = ask(capsys, "--catalogue", "example", "--format", "json", "--keep", "1")

@@ -71,6 +71,10 @@ def load_cases_of(resolved: ResolvedTask, *, one_way: bool = False) -> tuple[Loa
     if not sections:
         own = LoadCaseSection(name="cycle", way="one way" if one_way else "return")
         return (LoadCase(name="", cycle=_cycle(resolved, resolved.robot, own)),)
+    if one_way:
+        raise InputError(
+            f"{resolved.task.origin}: it lists load_cases; give those that do not return way: one way there"
+        )
     found = [case for section in sections for case in _MAKERS[section.kind](resolved, section)]
     # The first case is the one that is drawn; it must be an ordinary one.
     ordinary = [case for case in found if not (case.is_rare or case.joints)]

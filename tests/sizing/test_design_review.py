@@ -167,6 +167,24 @@ def test_cycle_rate_and_brake_shape_the_cycle() -> None:
         ps.sizing.load_cases_of(resolve_task(fast))
 
 
+def test_one_way_is_said_by_each_load_case() -> None:
+    text = {
+        "name": "ways", "points": [{"joints": [0.0] * 6}, {"joints": [0.5] * 6}], "times": [0, 1],
+        "profiles": ["quintic"], "load_cases": [{"name": "there", "way": "one way", "idle": 2}, {"name": "both"}],
+    }  # fmt: skip
+    resolved = resolve_task(make_task(text))
+    assert [case.cycle.duration for case in ps.sizing.load_cases_of(resolved)] == [3.0, 2.0]
+    with pytest.raises(ps.InputError, match="it lists load_cases; give those that do not return way: one way there"):
+        ps.sizing.load_cases_of(resolved, one_way=True)
+    for fault, message in (
+        ({"name": "r", "kind": "payload range"}, "masses goes with the kind 'payload range', and is needed there"),
+        ({"name": "s", "kind": "emergency stop"}, "time goes with the kind 'emergency stop', and is needed there"),
+        ({"name": "c", "masses": [1, 2]}, "masses goes with the kind 'payload range'"),
+    ):
+        with pytest.raises(ps.InputError, match=message):
+            make_task({**text, "load_cases": [fault]})
+
+
 # ---- load cases
 
 

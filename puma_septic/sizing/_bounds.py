@@ -39,11 +39,12 @@ _CURVE_INSTANTS: Final = 96
 
 
 class PeakBounds(NamedTuple):
-    """Peaks of the motor's torque, mechanical power, and voltage with a cool winding and without reactance."""
+    """Peaks of the motor's torque, mechanical power, voltage with a cool winding and without reactance, and curve."""
 
     torque: Bounds
     power: Bounds
     voltage: Bounds
+    at_speed: Bounds
 
     def at(self, places: NDArray[np.bool_]) -> PeakBounds:
         """Those of some pairs."""
@@ -131,6 +132,8 @@ class PairDemands:
     @property
     def torque_at_speed(self) -> Bounds:
         """As a share of the curve."""
+        if self.shared is not None:
+            return self.shared.at_speed
         return _torque_at_speed(self.grid, self.table, self.peak_torque[1], self._top_speed)
 
     @property
@@ -221,7 +224,8 @@ class PairDemands:
     @property
     def peaks(self) -> PeakBounds:
         """The peaks that take the longest to compute."""
-        return PeakBounds(self.peak_torque, self.peak_power, _cool_voltage(self.grid, self.table))
+        voltage = _cool_voltage(self.grid, self.table)
+        return PeakBounds(self.peak_torque, self.peak_power, voltage, self.torque_at_speed)
 
     def _same(self, demand: float) -> Bounds:
         """One number for all pairs."""

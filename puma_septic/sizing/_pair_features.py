@@ -192,7 +192,10 @@ class PairTable:
 
     def bus_voltage(self, rows: NDArray[np.int64]) -> float:
         """Of what feeds the motor of these pairs, V."""
-        return float(self.drive("bus_voltage")[rows[0]]) if len(rows) else np.nan
+        if not len(rows):
+            return np.nan
+        motor = int(self.catalogue.motor_index[self.rows[rows[0]]])
+        return float(self.parts.column("drive", "bus_voltage")[motor])
 
     @property
     def weakens_field(self) -> NDArray[np.bool_]:

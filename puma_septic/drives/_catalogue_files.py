@@ -35,6 +35,8 @@ __all__ = ["BUILT_IN", "built_in_catalogue", "load_catalogue"]
 BUILT_IN: Final = ("example", "puma560")
 # Numbers that no check uses yet.
 _UNUSED: Final = ("omega_nl", "max_cont_power", "stages")
+# Thermal resistance and time constant of each node, from the winding outwards.
+_NODES: Final = (("Rth1", "tau_w"), ("Rth2", "tau_h"))
 _FRICTION_FIELDS: Final = {
     "coulomb_positive": "coulomb", "coulomb_negative": "coulomb", "viscous_friction": "viscous",
     "stribeck_velocity": "stribeck_velocity", "load_share": "load_share", "static_positive": "static",
@@ -61,7 +63,8 @@ def load_catalogue(motors: str | Path, gearboxes: str | Path, pairs: str | Path 
         max_inertia_ratio, cost. V is the bus voltage where the joint has no drive. current, winding and voltage are the
         measures of k_t and currents, of R and L, and of voltage_constant, see `Motor`; without them those of a motor
         with direct current. ``k_t[Nm/A_rms]`` tells the first by its unit. Any other number of `Motor` by its name.
-        Rth1 with tau_w is a winding in one node; with Rth2 and tau_h as well, in two.
+        Rth1 with tau_w is a winding in one node; with Rth2 and tau_h as well, in two; without all time constants the
+        resistances tell the mean temperature at least.
     gearboxes : str or Path
         Columns key, ratio, mass, inertia (at the input), efficiency and any of the others of the MGDB and these: T_N,
         n_N, L_n, T_A (else max_cont_torque), T_R (else max_int_torque), T_M, n_in_av, n_in_max, no_load_torque,
@@ -179,9 +182,9 @@ def _motor(row: Row, source: str) -> Motor:
             fields["continuous_curve"] = [[0.0, torque], [values["max_cont_speed"], torque]]
         else:
             fields["continuous_torque"] = torque
-    if {"Rth1", "tau_w"} <= values.keys() and ("Rth2" in values) == ("tau_h" in values):
-        nodes = [("Rth1", "tau_w"), *([("Rth2", "tau_h")] if "Rth2" in values else [])]
-        fields["thermal_resistances"] = [values[name] for name, _ in nodes]
+    nodes = [(resistance, time) for resistance, time in _NODES if resistance in values]
+    fields["thermal_resistances"] = [values[name] for name, _ in nodes]
+    if all(time in values for _, time in nodes) and (not nodes or nodes[0] == _NODES[0]):
         fields["thermal_time_constants"] = [values[name] for _, name in nodes]
     motor: Motor = _made(Motor, {"name": row.texts["key"], "source": source}, fields, row, MOTOR_FIELDS)
     return motor

@@ -126,7 +126,8 @@ class Motor:
         Highest temperature that the winding may have, degrees Celsius.
     thermal_resistances, thermal_time_constants : array_like, shape (1,) or (2,)
         K/W and s, from the winding outwards: one node (winding to ambient) or two (winding to housing, housing to
-        ambient). The heat capacity of node i is ``thermal_time_constants[i] / thermal_resistances[i]``. Empty: unknown.
+        ambient). The heat capacity of node i is ``thermal_time_constants[i] / thermal_resistances[i]``. Empty: unknown;
+        the resistances alone tell how warm the winding is on average at least.
     copper_coefficient : float
         Relative growth of the resistance per K, referred to `reference_celsius`; 0 for a constant resistance.
     reference_celsius : float
@@ -225,7 +226,7 @@ class Motor:
             if len(values) > 2 or not (values > 0).all():
                 raise InputError(f"{name} = {values.tolist()} {unit}: expected one or two positive numbers")
             object.__setattr__(self, name, values)
-        if len(self.thermal_resistances) != len(self.thermal_time_constants):
+        if len(self.thermal_time_constants) not in (0, len(self.thermal_resistances)):
             raise InputError(
                 f"{len(self.thermal_resistances)} thermal_resistances and {len(self.thermal_time_constants)}"
                 " thermal_time_constants: expected one of each per node"

@@ -175,6 +175,25 @@ class PairDemands:
         return bounds[0], np.where(self.table.weakens_field & ~np.isnan(bounds[1]), np.inf, bounds[1])
 
     @property
+    def mean_temperature_rise(self) -> Bounds:
+        """Of the winding, at least."""
+        motor, place = self.table.motor, self.table.place
+        ampere = motor("torque_constant") / motor("dc_torque_constant")
+        growth = 1 + motor("copper_coefficient") * (place.ambient_celsius - motor("reference_celsius"))
+        heating = self.bare_thermal_resistance * motor("dc_resistance") * growth * ampere**2
+        low, high = ((heating * current**2) for current in self.rms_current)
+        return low * (1 - 10 * _ROUNDING), high * (1 + 10 * _ROUNDING)
+
+    @property
+    def bare_thermal_resistance(self) -> Array:
+        """Of each motor whose time constants are not known, K/W; NaN of the others, and where nothing repeats."""
+        resistances = np.full(len(self.table.ratio), np.nan)
+        for motor, rows in [] if self.grid.load.why_not_periodic else self.table.by_motor():
+            if len(motor.thermal_resistances) and not len(motor.thermal_time_constants):
+                resistances[rows] = motor.thermal_resistances.sum()
+        return resistances
+
+    @property
     def max_temperature_rise(self) -> Array:
         """Limit of `peak_temperature_rise`."""
         return np.maximum(self.table.motor("max_winding_celsius") - self.table.place.ambient_celsius, 0.0)
@@ -521,7 +540,7 @@ def _temperature_rise(grid: LoadGrid, table: PairTable, rms: Array) -> Bounds:
     """
     share, total = np.full((2, len(rms)), np.nan)
     for motor, rows in table.by_motor():
-        if len(motor.thermal_resistances) and not grid.load.why_not_periodic:
+        if len(motor.thermal_time_constants) and not grid.load.why_not_periodic:
             capacity = motor.thermal_time_constants[0] / motor.thermal_resistances[0]
             total[rows] = motor.thermal_resistances.sum()
             share[rows] = total[rows] + grid.load.duration / capacity

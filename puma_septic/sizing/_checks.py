@@ -198,6 +198,12 @@ DRIVE_LIMITS: Final = (
         quantity="winding temperature rise", demand="peak_temperature_rise", limit="max_temperature_rise", unit="K",
         kind="physics", source=_heat_balance, needs="the winding's highest temperature", why="why_no_temperature",
     ),
+    # Without time constants the resistances still tell a lower bound, which can reject.
+    DriveLimit(
+        quantity="mean winding temperature rise", demand="mean_temperature_rise", limit="max_temperature_rise",
+        unit="K", kind="physics", source="heat balance, at least", asked="bare_thermal_resistance",
+        needs="torque constant, resistance and the winding's highest temperature",
+    ),
     DriveLimit(
         quantity="inertia ratio", demand="inertia_ratio", limit="motor.max_inertia_ratio", unit="",
         kind="rule of thumb", source="recommendation of motor makers",

@@ -304,6 +304,24 @@ class Demands:
         return Peak(float(found.max[0]), float(found.t_max[0]))
 
     @property
+    def bare_thermal_resistance(self) -> float:
+        """Of a motor whose time constants are not known, K/W; NaN of any other, and where the cycle does not repeat."""
+        motor = self.train.motor
+        is_bare = len(motor.thermal_resistances) and not len(motor.thermal_time_constants)
+        return float(motor.thermal_resistances.sum()) if is_bare and not self.load.why_not_periodic else np.nan
+
+    @property
+    def mean_temperature_rise(self) -> float:
+        """Of the winding over ambient at least, K: that of the winding at ambient temperature, which warms no more.
+
+        In the steady cycle as much heat leaves as comes in, whatever the time constants.
+        """
+        motor = self.train.motor
+        current = self.rms_current * motor.torque_constant / motor.dc_torque_constant
+        growth = 1 + motor.copper_coefficient * (self.train.ambient_celsius - motor.reference_celsius)
+        return self.bare_thermal_resistance * motor.dc_resistance * growth * current**2
+
+    @property
     def max_temperature_rise(self) -> float:
         """Limit of `peak_temperature_rise`, over ambient so that the utilisation knows no zero of the scale, K."""
         return float(np.maximum(self.train.motor.max_winding_celsius - self.train.ambient_celsius, 0.0))

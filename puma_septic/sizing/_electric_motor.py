@@ -92,7 +92,7 @@ class ElectricMotor:
         needs = {
             "the motor's torque constant": np.isnan(motor.torque_constant),
             "the motor's resistance": np.isnan(motor.resistance),
-            "its thermal resistances and time constants": not len(motor.thermal_resistances),
+            "its thermal resistances and time constants": not len(motor.thermal_time_constants),
         }
         if missing := [name for name, lacks in needs.items() if lacks]:
             return f"needs {', '.join(missing)}"

@@ -85,7 +85,8 @@ def test_curves_and_thermal_nodes(tmp_path: Path) -> None:
     assert two.peak_curve.tolist() == [[0.0, 2.0], [400.0, 1.0]]
     assert two.thermal_time_constants.tolist() == [30.0, 900.0]
     assert one.thermal_resistances.tolist() == [1.5]
-    assert len(unknown.thermal_resistances) == 0
+    assert len(unknown.thermal_time_constants) == 0
+    assert unknown.thermal_resistances.tolist() == [1.5, 3.0]  # what they tell alone is used
 
 
 @pytest.mark.parametrize(

@@ -106,6 +106,23 @@ def test_a_direct_drive_needs_no_data_of_gears() -> None:
     assert ps.size(cycle(), catalogue=direct).is_feasible
 
 
+def test_thermal_resistances_alone_reject() -> None:
+    """640 public motors have no time constants: (R1 + R2) P was thrown away, and is the mean rise at least."""
+    heat = {"thermal_resistances": [1.0, 2.0], "max_winding_celsius": 120.0}
+    joint = ps.size(cycle(), catalogue=catalogue(**heat)).joint("joint2")
+    (check,) = [c for c in joint.best.checks if c.quantity == "mean winding temperature rise"]
+    current = joint.best.demands.rms_torque / MOTOR["torque_constant"]
+    copper = 1 + 0.00393 * (40.0 - 20.0)  # at the ambient temperature, from the sheet's 20 degrees
+    assert check.demand == pytest.approx(3.0 * MOTOR["resistance"] * copper * current**2, rel=1e-12)
+    hot = ps.size(cycle(), catalogue=catalogue(**heat | {"max_winding_celsius": 40.0 + 0.99 * check.demand}))
+    assert hot.joint("joint2").rejections == {"mean winding temperature rise": 1}
+    # With time constants the steady cycle has this mean and more: the copper grows with its own heat.
+    known = catalogue(**heat | {"thermal_time_constants": [20.0, 600.0]})
+    full = ps.size(cycle(), catalogue=known).joint("joint2").best.demands
+    mean = full.temperature_rise.integral()(full.temperature_rise.breaks[-1])[0] / full.temperature_rise.duration
+    assert 1.0 < mean / check.demand < 1.2
+
+
 # ---- W3: conditions
 
 

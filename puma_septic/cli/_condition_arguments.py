@@ -12,6 +12,7 @@ __all__ = ["CONDITIONS", "add_conditions"]
 _NUMBERS = {
     "cycles_per_minute": (positive, "N", "cycle rate: what the moves leave of the time is rest"),
     "ambient_celsius": (finite, "C", "temperature of the surroundings (default: 40)"),
+    "altitude": (positive, "M", "above sea level"),
     "bus_voltage": (positive, "V", "that reaches the motors"),
     "continuous_current": (positive, "A", "of each drive, in the measure of the torque constants"),
     "peak_current": (positive, "A", "of each drive, for a short time"),
@@ -42,6 +43,13 @@ def add_conditions(parser: ArgumentParser) -> None:
         metavar="SHARE",
         help="what must be left of each limit, such as 0.2; or of one check, 'gearbox life=0.1' (repeatable)",
     )
+    group.add_argument(
+        "--supply-current",
+        type=positive,
+        metavar="A",
+        help="that the bus of the whole arm can deliver, at --bus-voltage",
+    )
+    group.add_argument("--supply-power", type=positive, metavar="W", help="that the bus of the whole arm can deliver")
     group.add_argument(
         "--own-masses", nargs="+", type=not_negative, metavar="KG",
         help="with --masses: of the drives that the robot's model includes already, one for each joint",

@@ -183,6 +183,12 @@ def _asked_conditions(arguments: Namespace) -> dict[str, Any]:
     asked = {name: getattr(arguments, name) for name in CONDITIONS if getattr(arguments, name) is not None}
     if "margins" in asked:
         asked["margins"] = dict(asked["margins"])
+    supply = {
+        "max_current": arguments.supply_current, "peak_power": arguments.supply_power,
+        "bus_voltage": arguments.bus_voltage,
+    }  # fmt: skip
+    if arguments.supply_current or arguments.supply_power:
+        asked["supply"] = {key: value for key, value in supply.items() if value is not None}
     return asked
 
 

@@ -60,8 +60,13 @@ class Selection:
 
     @property
     def is_feasible(self) -> bool:
-        """Whether there is a pair for every joint that is strong enough, and enough is known of it."""
-        return all(one.best is not None for one in self.joints)
+        """Whether there is a pair for every joint that is strong enough, enough is known of it, and all can be fed."""
+        return all(one.best is not None for one in self.joints) and self._is_fed
+
+    @property
+    def _is_fed(self) -> bool:
+        """Whether the supply that all drives share, if there is one, bears them together."""
+        return self.conditions.supply is None or self.sizing is None or self.sizing.is_feasible
 
     @property
     def can_be_decided(self) -> bool:
@@ -98,6 +103,8 @@ class Selection:
         missing = [one for one in self.joints if one.best is None]
         if not missing:
             more = f"; {_pairs(open_)} not decidable" if open_ else ""
+            if not self._is_fed and self.sizing is not None:
+                more = f", but together: {self.sizing.violations[0]}{more}"
             return f"a pair that is strong enough for every joint{more}"
         undecided = [one for one in missing if not one.can_be_decided]
         rejected = [one for one in missing if one.can_be_decided]

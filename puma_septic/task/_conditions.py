@@ -61,6 +61,8 @@ class ConditionsSection(Section):
     cycles_per_minute: Positive | None = None
     brake_at_rest: StrictBool = False
     ambient_celsius: Number | None = None
+    altitude: Positive | None = None
+    supply: SupplySection | None = None
     bus_voltage: PerJoint | None = None
     continuous_current: PerJoint | None = None
     peak_current: PerJoint | None = None
@@ -71,10 +73,8 @@ class ConditionsSection(Section):
     momentary_torque: PerJoint | None = None
     required_life_hours: PerJoint | None = None
     max_inertia_ratio: PerJoint | None = None
-    altitude: Positive | None = None
     emergency_stops: PerJoint | None = None
     emergency_duration: PerJoint | None = None
-    supply: SupplySection | None = None
     margins: Margins | None = None
     own_masses: tuple[NotNegative, ...] | None = None
 

@@ -184,6 +184,21 @@ def test_cycle_rate_and_brake_shape_the_cycle() -> None:
         ps.sizing.load_cases_of(resolve_task(fast))
 
 
+def test_altitude_and_the_shared_supply_are_conditions_of_a_task() -> None:
+    section = {"altitude": 2000, "supply": {"bus_voltage": 48, "max_current": 0.001}, "cycles_per_minute": 3}
+    text = {
+        "name": "high", "points": [{"joints": [0.0] * 6}, {"joints": [0.5] * 6}], "times": [0, 1],
+        "profiles": ["quintic"], "conditions": section,
+    }  # fmt: skip
+    resolved = resolve_task(make_task(text))
+    asked = ps.sizing.conditions_of(resolved.task.conditions)
+    assert float(np.asarray(asked.altitude)) == 2000.0
+    found = ps.size(ps.sizing.load_cases_of(resolved), catalogue=catalogue(), conditions=asked)
+    assert all(one.best is not None for one in found.joints)
+    assert not found.is_feasible
+    assert found.verdict.startswith("a pair that is strong enough for every joint, but together: supply ")
+
+
 def test_one_way_is_said_by_each_load_case() -> None:
     text = {
         "name": "ways", "points": [{"joints": [0.0] * 6}, {"joints": [0.5] * 6}], "times": [0, 1],

@@ -326,8 +326,9 @@ def test_a_first_user_s_arm_and_parts(tmp_path: Path, capsys: pytest.CaptureFixt
     code = main(["size", str(task), "--catalogue", str(motors), str(gears), "--dwell", "0.5", "--keep", "1"])
     out = capsys.readouterr().out
     assert code == 0
-    rows = {line.split()[0]: line.split() for line in out.splitlines() if "H14-100" in line or "H25-160" in line}
+    lines = [line.rstrip() for line in out.splitlines() if "H14-100" in line or "H25-160" in line]
+    rows = {line.split()[0]: line.split() for line in reversed(lines)}  # the first table is that of the choice
     assert rows["shoulder_lift_joint"][1:3] == ["F60", "H25-160"]
     assert rows["wrist_2_joint"][1:3] == ["F38", "H14-100"]
-    assert rows["wrist_2_joint"][-3:] == ["any", "above", "1"]
+    assert any(line.startswith("wrist_2_joint") and line.endswith("any above 1") for line in lines)
     assert "e-1" not in out

@@ -245,6 +245,12 @@ def _turns(robot: Robot, reach: Array, near: Array | None) -> Array | None:
 
 def _within_limits(robot: Robot, path: Path, position: Piecewise, held: str) -> Piecewise:
     """The position with the whole turns that keep all of it, extremes included, within the limits."""
+    series = position.coefficients
+    rest = np.abs(series[1:]).sum(axis=0)
+    bounds = np.stack([(series[0] - rest).min(axis=0), (series[0] + rest).max(axis=0)])
+    turns = _turns(robot, bounds, None)
+    if turns is not None and not turns.any():  # then the extremes, which lie within these bounds, ask for none either
+        return position
     extrema = position.extrema()
     turns = _turns(robot, np.stack([extrema.min, extrema.max]), None)
     if turns is None:

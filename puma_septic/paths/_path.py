@@ -82,7 +82,8 @@ class Path:
             For a distance outside the path.
         """
         places = self._checked(s)
-        poses = self.rates(self.pieces(places), places).poses
+        piece = self.pieces(places)
+        poses = self._poses(piece, _on_pieces(self._series, piece, places)[0])
         return poses if np.ndim(s) else poses[0]
 
     def curvature(self, s: ArrayLike) -> Array:
@@ -97,14 +98,24 @@ class Path:
 
     def rates(self, piece: NDArray[np.int64], s: Array) -> PathRates:
         """Poses and derivatives at distances s (n,), each seen from its piece (n,)."""
-        state = _on_pieces(Piecewise.concatenate([self.position, self.turns]).with_derivatives(3), piece, s)
+        state = _on_pieces(self._series.with_derivatives(3), piece, s)
         moved, turns = state[:, :, :3], state[:, :, 3:]
         first, second = self.axes[piece, 0], self.axes[piece, 1]
-        poses = np.zeros((len(s), 4, 4))
-        inner = turned(second[:, None], turns[0, :, None, 1], self.rotations[piece].transpose(0, 2, 1))
-        poses[:, :3, :3] = turned(first[:, None], turns[0, :, None, 0], inner).transpose(0, 2, 1)
-        poses[:, :3, 3], poses[:, 3, 3] = moved[0], 1.0
-        return PathRates(poses, moved[1:], _turning(first, turned(first, turns[0, :, 0], second), turns[1:]))
+        angular = _turning(first, turned(first, turns[0, :, 0], second), turns[1:])
+        return PathRates(self._poses(piece, state[0]), moved[1:], angular)
+
+    @property
+    def _series(self) -> Piecewise:
+        """Position and turns side by side."""
+        return Piecewise.concatenate([self.position, self.turns])
+
+    def _poses(self, piece: NDArray[np.int64], values: Array) -> Array:
+        """Poses (n, 4, 4) from position and turns (n, 5)."""
+        poses = np.zeros((len(values), 4, 4))
+        inner = turned(self.axes[piece, 1, None], values[:, None, 4], self.rotations[piece].transpose(0, 2, 1))
+        poses[:, :3, :3] = turned(self.axes[piece, 0, None], values[:, None, 3], inner).transpose(0, 2, 1)
+        poses[:, :3, 3], poses[:, 3, 3] = values[:, :3], 1.0
+        return poses
 
     def _checked(self, s: ArrayLike) -> Array:
         places = checked_array("s", np.ravel(np.asarray(s, dtype=np.float64)), (None,), unit="m")
@@ -130,7 +141,7 @@ def _turning(first: Array, second: Array, turns: Array) -> Array:
 
 
 def _on_pieces(state: Piecewise, piece: NDArray[np.int64], s: Array) -> Array:
-    """Values of the four orders, (4, n, m), each read from its piece, also at a break."""
+    """Values of all orders, (orders, n, 5), each read from its piece, also at a break."""
     left, right = state.offsets[piece], state.offsets[piece + 1]
     values = state.at(piece, np.clip((2 * s - left - right) / (right - left), -1.0, 1.0))
-    return values.reshape(len(s), 4, -1).transpose(1, 0, 2)
+    return values.reshape(len(s), -1, 5).transpose(1, 0, 2)

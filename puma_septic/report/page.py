@@ -69,6 +69,11 @@ class Section:
     span: tuple[float, float]
     times: list[list[float]]
 
+    @property
+    def matrix(self) -> tuple[Panel, ...]:
+        """The panels of the limits' use that have a row for each joint; the tool's has rows of its own."""
+        return tuple(panel for panel in self.utilisation.panels if set(self.joints) <= set(panel.rows))
+
     @staticmethod
     def worst(panel: Panel, joint: str) -> Bar:
         """The longest bar of a joint: the profile that uses most of the limit."""
@@ -259,10 +264,14 @@ def _section(case: Case, units: Units) -> Section:
 
 def _governing(assessments: Sequence[Assessment], pictures: Sequence[Picture]) -> tuple[Panel, ...]:
     """The charts of the three limits that are used most; of the first torques where no limit is known."""
-    checks = [check for one in assessments for check in one.checks]
+    checks = [check for one in assessments for check in (*one.checks, *one.tool_checks)]
     worst = dict.fromkeys((one.quantity, one.joint) for one in most_used_first(checks))
     names = {picture.name: picture for picture in pictures}
-    wanted = [("torque" if quantity == "effort" else quantity, joint) for quantity, joint in worst]
+    of_tool = ("tool", f"speed of {assessments[0].motion.robot.tool}")
+    wanted = [
+        of_tool if (quantity, joint) == ("speed", "tool") else ("torque" if quantity == "effort" else quantity, joint)
+        for quantity, joint in worst
+    ]
     found = [panel for name, joint in wanted if name in names for panel in names[name].panels if panel.title == joint]
     return tuple((found or names["torque"].panels)[:_GOVERNING])
 

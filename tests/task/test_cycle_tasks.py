@@ -401,3 +401,16 @@ def test_the_textbooks_line_is_a_task_of_four_lines(tmp_path: Path) -> None:
     np.testing.assert_allclose(places[:, 0] + places[:, 1], 0.5, atol=1e-12)
     speed = ps.paths.tool_rates(found.robot, found.trajectory).peak("speed")[0]
     assert speed == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.slow  # a page with a replay
+def test_the_report_of_a_motion_that_its_tool_governs() -> None:
+    """The tool's limits stand among the bars, its speed among the charts that govern; a joint's row has none of them.
+
+    The page looked for each joint in the panel of the tool, and ended with an internal error.
+    """
+    fast = job({"to": "pick", "move": "line"}, "back", tool_limits={"speed": 0.25}).assess()
+    page = ps.report_html(fast)
+    assert "tool speed 0.4 m/s" in page
+    first_screen = page[: page.index("Limit utilisation")]
+    assert "speed of wrist_center" in first_screen

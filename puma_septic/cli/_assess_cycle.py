@@ -84,18 +84,24 @@ def _metrics(resolved: ResolvedCycle, assessed: CycleAssessment) -> str:
 def _write_folder(arguments: Namespace, resolved: ResolvedCycle, assessed: CycleAssessment) -> None:
     """Report, document, table, and the whole cycle as samples, pictures and JointTrajectory."""
     # Templates and the replay's libraries take longer to load than an assessment takes; matplotlib far longer.
-    from puma_septic.pictures import assessment_pictures
+    from puma_septic.pictures import assessment_pictures, in_units
     from puma_septic.report.page import cycle_html
     from puma_septic.report.svg import write_svg
 
     with new_folder(arguments.out, overwrite=arguments.force) as folder:
-        page = cycle_html(assessed, task=resolved.task, made=origin(arguments), units=asked_units(arguments))
+        page = cycle_html(
+            assessed,
+            task=resolved.task,
+            point_names=resolved.stops,
+            made=origin(arguments),
+            units=asked_units(arguments),
+        )
         (folder / "report.html").write_text(page, encoding="utf-8")
         (folder / "cycle.json").write_text(to_json(_document(resolved, assessed)), encoding="utf-8")
         (folder / "metrics.csv").write_text(_metrics(resolved, assessed), encoding="utf-8")
         (folder / "samples.csv").write_text(samples_csv(assessed.whole), encoding="utf-8")
         write_joint_trajectory(folder / "trajectory.yaml", resolved.trajectory, joint_names=resolved.robot.joint_names)
-        pictures = assessment_pictures([assessed.whole], ["cycle"])
+        pictures = [in_units(one, asked_units(arguments)) for one in assessment_pictures([assessed.whole], ["cycle"])]
         write_svg(folder, pictures)
         if not arguments.no_png:
             from puma_septic.report.figures import write_png

@@ -84,6 +84,6 @@ def _shown(arguments: Namespace) -> tuple[Sequence[Assessment], str, Sequence[st
     task = asked_task(arguments, "paper", profiles=arguments.profile)
     if task.cycle:
         cycle = resolve_cycle(task)
-        return [cycle.assess().whole], f"{task.name}, {cycle.robot.name}", ()
+        return [cycle.assess().whole], f"{task.name}, {cycle.robot.name}", cycle.stops
     resolved = resolve_task(task)
     return assess_task(resolved), f"{resolved.task.name}, {resolved.robot.name}", resolved.names

@@ -12,7 +12,7 @@ import numpy as np
 from puma_septic.assessment import Assessment, assess
 from puma_septic.cycle._cycle import Cycle
 from puma_septic.cycle._steps import Dwell
-from puma_septic.document import SCHEMAS, one_line, plain
+from puma_septic.document import SCHEMAS, frame, one_line, plain
 from puma_septic.errors import InputError
 from puma_septic.limit_check import LimitCheck
 from puma_septic.motion import Motion
@@ -157,13 +157,26 @@ class CycleAssessment:
         return view.text(self.to_dict())
 
     def __repr__(self) -> str:
-        duration = f"{self.cycle.duration:g} s"
-        return one_line(
-            "CycleAssessment", {"motions": len(self.motions), "duration": duration, "verdict": self.verdict}
-        )
+        facts = {"motions": len(self.motions), "duration": f"{self.cycle.duration:g} s", "verdict": self.verdict}
+        return one_line("CycleAssessment", facts)
 
     def _repr_html_(self) -> str:
         return view.html(self.to_dict())
+
+    def to_dataframe(self) -> Any:
+        """The steps of the cycle as a pandas DataFrame, one row a step.
+
+        Returns
+        -------
+        pandas.DataFrame
+            In SI units.
+
+        Raises
+        ------
+        ImportError
+            Where pandas is not installed: ``python -m pip install 'puma-septic[pandas]'``.
+        """
+        return frame(self.to_dict()["steps"], index="name").drop(columns="governing")
 
 
 def assess_cycle(

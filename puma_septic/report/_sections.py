@@ -70,6 +70,8 @@ class Case:
         Whether too little is known of the parts.
     task : Task or None
         Of a cycle.
+    point_names : tuple of str
+        Of the points that a cycle stops at.
     no_replay : str
         Why there is no replay here; "" where there is one.
     heading : str
@@ -88,6 +90,7 @@ class Case:
     inputs: Mapping[str, Any] | None = None
     is_undecided: bool = False
     task: Task | None = None
+    point_names: tuple[str, ...] = ()
     no_replay: str = ""
     heading: str = ""
 
@@ -153,7 +156,9 @@ def task_case(resolved: ResolvedTask, assessments: Sequence[Assessment]) -> Case
     )
 
 
-def cycle_cases(assessed: CycleAssessment, title: str | None, task: Task | None = None) -> list[Case]:
+def cycle_cases(
+    assessed: CycleAssessment, title: str | None, task: Task | None = None, point_names: Sequence[str] = ()
+) -> list[Case]:
     """The whole cycle, then each motion alone, the governing one first."""
     whole = assessed.whole
     named = title or (task.name if task is not None else _titled([whole], None))
@@ -165,6 +170,7 @@ def cycle_cases(assessed: CycleAssessment, title: str | None, task: Task | None 
         sentence=_cycle_sentence(assessed),
         preface=_boxed(steps_html(assessed.to_dict())),
         task=task,
+        point_names=tuple(point_names),
     )
     return [first, *(_motion_case(assessed, k) for k in assessed.order)]
 

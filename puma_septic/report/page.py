@@ -215,11 +215,12 @@ def cycle_html(
     *,
     title: str | None = None,
     task: Task | None = None,
+    point_names: Sequence[str] = (),
     made: Mapping[str, str] | None = None,
     units: Units = SI,
 ) -> str:
     """The report of a cycle: the whole first, then each of its motions, the governing one first."""
-    sections = [_section(case, units) for case in cycle_cases(assessed, title, task)]
+    sections = [_section(case, units) for case in cycle_cases(assessed, title, task, point_names)]
     return _page(sections[0].case.title, sections, made)
 
 
@@ -281,7 +282,7 @@ def _replay(case: Case) -> tuple[str, str]:
     if case.no_replay:
         return "", case.no_replay
     try:
-        names = () if case.resolved is None else case.resolved.names
+        names = case.point_names if case.resolved is None else case.resolved.names
         html = replay_html(case.assessments, labels=case.labels, title=case.title, point_names=names, has_panel=False)
         return html, ""
     except ModelError as error:

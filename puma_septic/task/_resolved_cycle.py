@@ -49,6 +49,8 @@ class ResolvedCycle:
     cycle : Cycle
     names : tuple of str
         Of the steps of the cycle: "home to pick", "rest at pick" ...
+    stops : tuple of str
+        Where the steps begin, and the last one ends.
     """
 
     task: Task
@@ -57,11 +59,27 @@ class ResolvedCycle:
     places: tuple[str, ...]
     cycle: Cycle
     names: tuple[str, ...]
+    stops: tuple[str, ...]
 
     @property
     def trajectory(self) -> Trajectory:
         """The whole cycle as one trajectory, which `write_joint_trajectory` takes."""
         return self.cycle.trajectory
+
+    def __repr__(self) -> str:
+        return one_line("ResolvedCycle", self._facts())
+
+    def _repr_html_(self) -> str:
+        return card("ResolvedCycle", self._facts())
+
+    def _facts(self) -> dict[str, object]:
+        return {
+            "task": self.task.name,
+            "robot": self.robot.name,
+            "steps": ", ".join(self.names),
+            "branch": self.branch.configuration,
+            "duration": f"{self.cycle.duration:g} s",
+        }
 
     def assess(self) -> CycleAssessment:
         """Each motion held against the limits with what it carries.
@@ -190,6 +208,7 @@ class _Arm:
     postures: dict[Place, Array] = field(default_factory=dict)
     steps: list[Motion | Dwell] = field(default_factory=list)
     names: list[str] = field(default_factory=list)
+    stops: list[str] = field(default_factory=list)
     turns: Array = field(default_factory=lambda: np.zeros(0))
     returned: int = 0
 
@@ -200,25 +219,26 @@ class _Arm:
         self.postures.setdefault(end, self.q)
         if leg.kind != "joint":
             self.turns = np.where(self.robot.is_prismatic, 0.0, _TURN * np.rint((self.q - self.rows[end]) / _TURN))
-        self._add(leg.name, compute_motion(self.robot, trajectory))
+        self._add(leg.name, compute_motion(self.robot, trajectory), str(end))
 
     def rest(self, step: DwellStep, name: str) -> None:
         """Add a rest."""
         payload = self.robot.payload or Payload(mass=0.0)
-        self._add(name, Dwell(duration=step.dwell, holding_brake=step.brake, payload=payload))
+        self._add(name, Dwell(duration=step.dwell, holding_brake=step.brake, payload=payload), self.stops[-1])
 
     def back(self) -> None:
         """Add all motions since the start, or the last way back, in reversed order and time."""
-        there = list(zip(self.names, self.steps, strict=True))[self.returned :]
-        for name, step in reversed(there):
+        there = list(zip(self.names, self.steps, self.stops, strict=False))[self.returned :]
+        for name, step, stop in reversed(there):
             if isinstance(step, Motion):
-                self._add(f"back: {name}", way_back(step, self.robot))
+                self._add(f"back: {name}", way_back(step, self.robot), stop)
                 self.q = step.trajectory(step.trajectory.breaks[0])
         self.returned = len(self.steps)
 
-    def _add(self, name: str, step: Motion | Dwell) -> None:
+    def _add(self, name: str, step: Motion | Dwell, stop: str) -> None:
         self.steps.append(step)
         self.names.append(name)
+        self.stops.append(stop)
 
     def _joint(self, leg: Leg) -> Trajectory:
         move = leg.move
@@ -280,6 +300,7 @@ def _resolved(scene: _Scene, legs: Sequence[Sequence[Leg]], branch: Branch) -> R
     rows = dict(zip(scene.places, branch.q, strict=True))
     arm = _Arm(scene=scene, rows=rows, q=rows[start], robot=scene.robot, turns=np.zeros(scene.robot.n_joints))
     arm.postures[start] = arm.q
+    arm.stops.append(str(start))
     here = start
     for k, (step, moves) in enumerate(zip(task.cycle, legs, strict=True)):
         for leg in moves:
@@ -301,6 +322,7 @@ def _resolved(scene: _Scene, legs: Sequence[Sequence[Leg]], branch: Branch) -> R
         places=tuple(map(str, scene.places)),
         cycle=cycle,
         names=tuple(arm.names),
+        stops=tuple(arm.stops),
     )
 
 

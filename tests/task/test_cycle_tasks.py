@@ -84,6 +84,7 @@ def test_a_load_is_carried_from_grip_to_release_and_back_is_the_same_way_in_reve
     assert found.names == (
         "home to pick", "rest at pick", "pick to side", "rest at side", "back: pick to side", "back: home to pick"
     )  # fmt: skip
+    assert found.stops == ("home", "pick", "pick", "side", "side", "pick", "home")
     masses = [(one.payload or one.robot.payload).mass if isinstance(one, ps.Dwell) else one.robot.payload.mass
               for one in found.cycle.steps]  # fmt: skip
     assert masses == [0.5, 2.5, 2.5, 0.5, 0.5, 0.5]
@@ -117,6 +118,9 @@ def test_the_whole_cycle_is_one_motion_with_the_torque_of_its_parts() -> None:
     assert assessed.motion_names[assessed.order[0]] == "home to pick"
     assert assessed.names[assessed.governing] == "home to pick"
     assert "in 'home to pick'" in assessed.verdict
+    table = assessed.to_dataframe()
+    assert list(table.index) == list(found.names)
+    assert table["payload_mass"].tolist() == [2.0, 2.0, 0.0]
 
 
 def test_approach_and_retreat_go_straight_along_the_tool() -> None:

@@ -127,6 +127,7 @@ _HOMES: Final = {
     "sizing": "sizing",
     "study_map": "study",
     "summarise_study": "study",
+    "time_optimal": "optimum",
     "tool_motion": "kinematics",
     "tool_move": "paths",
     "torque_terms": "dynamics",
@@ -215,6 +216,7 @@ if TYPE_CHECKING:
     from puma_septic.optimisation import least_time as least_time
     from puma_septic.optimisation import optimise_via_times as optimise_via_times
     from puma_septic.optimisation import pareto_front as pareto_front
+    from puma_septic.optimum import time_optimal as time_optimal
     from puma_septic.paths import tool_move as tool_move
     from puma_septic.piecewise import Piecewise as Piecewise
     from puma_septic.profiles import lspb as lspb

@@ -156,7 +156,7 @@ def _check(robot: Robot, trajectories: Sequence[Trajectory]) -> None:
 
 
 def _block(robot: Robot, trajectories: Sequence[Trajectory]) -> dict[str, NDArray[Any]]:
-    plain = np.array([_is_plain(one) for one in trajectories]) & _is_linear(robot)
+    plain = _are_plain(trajectories) & _is_linear(robot)
     columns = _empty(robot.n_joints, len(trajectories))
     some = np.flatnonzero(plain)
     if len(some):
@@ -180,11 +180,13 @@ def _is_linear(robot: Robot) -> bool:
     return not (robot.has_losses or derivatives or any(not law.is_linear for law in robot.friction))
 
 
-def _is_plain(trajectory: Trajectory) -> bool:
-    """Whether a planned motion, which no log or excerpt is."""
-    is_whole = trajectory.rest_before and trajectory.rest_after
-    is_planned = not trajectory.doubts and not np.any(trajectory.resolution)
-    return bool(is_whole and is_planned and np.abs(trajectory.points).max() < _NO_DOUBT)
+def _are_plain(trajectories: Sequence[Trajectory]) -> NDArray[np.bool_]:
+    """Which are planned motions, as no log or excerpt is."""
+    whole = np.array([one.rest_before and one.rest_after and not one.doubts for one in trajectories])
+    exact = np.array([one.resolution for one in trajectories]).max(axis=1) == 0
+    first = np.cumsum([0, *(len(one.points) for one in trajectories[:-1])])
+    largest = np.abs(np.concatenate([one.points for one in trajectories])).max(axis=1)
+    return np.asarray(whole & exact & (np.maximum.reduceat(largest, first) < _NO_DOUBT))
 
 
 def _empty(m: int, n: int) -> dict[str, NDArray[Any]]:

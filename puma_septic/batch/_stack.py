@@ -22,8 +22,9 @@ Index = NDArray[np.int64]
 _DEGREES: Final = (22, 44, 88, 176)
 _TOLERANCE: Final = 1e-11
 _ROUNDING: Final = 64 * np.finfo(np.float64).eps
-# A run between two turns, or a joint, that travels less than this is left to the single assessment: rest or rounding.
-_TRAVEL: Final = 1e-8
+# A run between two turns, or a joint, that travels less than this is left to the single assessment: it may be rest, as
+# travel below `STILL` is.
+_TRAVEL: Final = 2e-9
 
 
 class Stack(NamedTuple):
@@ -57,7 +58,8 @@ class Stack(NamedTuple):
 def stacked(trajectories: Sequence[Trajectory]) -> Stack:
     """All intervals, padded to one degree."""
     degree = max(one.position.degree for one in trajectories)
-    counts = [len(one.position.lengths) for one in trajectories]
+    offsets = [one.position.offsets for one in trajectories]
+    counts = [len(one) - 1 for one in offsets]
     n, m = sum(counts), trajectories[0].n_joints
     series = np.zeros((degree + 1, n, m))
     first = 0
@@ -65,14 +67,15 @@ def stacked(trajectories: Sequence[Trajectory]) -> Stack:
         coefficients = one.position.coefficients
         series[: len(coefficients), first : first + count] = coefficients
         first += count
-    lengths = np.concatenate([one.position.lengths for one in trajectories])
+    start, end = (np.concatenate([one[some] for one in offsets]) for some in (slice(-1), slice(1, None)))
+    lengths = end - start
     state = (matrices.state_matrix(degree, 3) @ series.reshape(degree + 1, -1)).reshape(4, degree + 1, n, m)
     scale = (2 / lengths) ** np.arange(4)[:, None]
     return Stack(
         state=np.ascontiguousarray((state * scale[:, None, :, None]).transpose(1, 2, 0, 3)),
         lengths=lengths,
         owner=np.repeat(np.arange(len(counts)), counts),
-        start=np.concatenate([one.position.offsets[:-1] for one in trajectories]),
+        start=start,
     )
 
 

@@ -22,7 +22,8 @@ Exit code: 0 each profile has a duration from which on every longer one is feasi
 
 EXAMPLES = """limits paper-turned --profile septic
 limits task.yaml --com 0,0,0.1 --format csv
-limits task.yaml --payload 2 --out how-fast"""
+limits task.yaml --payload 2 --out how-fast
+limits paper-turned --reference"""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -35,6 +36,11 @@ def add_arguments(parser: ArgumentParser) -> None:
         type=_place,
         metavar="X,Y,Z",
         help="centre of the payload that is asked for, m in the tool frame (default: the task's payload's, else 0,0,0)",
+    )
+    parser.add_argument(
+        "--reference",
+        action="store_true",
+        help="beside each profile the time-optimal motion along its path, by toppra, assessed exactly and certified",
     )
     add_format(parser, "text", "json", "csv")
     add_out(parser, "JSON, CSV and a figure")

@@ -11,8 +11,9 @@ from puma_septic.assessment import assess
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._task_arguments import asked_task
 from puma_septic.document import SCHEMAS, to_json
+from puma_septic.errors import InputError, NoSolution
 from puma_septic.limits import motion_limits
-from puma_septic.motion import compute_motion
+from puma_septic.motion import Motion, compute_motion
 from puma_septic.pictures.limits import payload_picture
 from puma_septic.report import new_folder, profile_labels
 from puma_septic.report.svg import write_svg
@@ -38,6 +39,9 @@ def answer(arguments: Namespace) -> Answer:
         "joint_names": list(resolved.robot.joint_names),
         "profiles": [{"label": label, **one.to_dict()} for label, one in zip(labels, found, strict=True)],
     }
+    if arguments.reference:
+        for motion, one in zip(motions, document["profiles"], strict=True):
+            one["reference"] = _reference(motion)
     texts = {"text": view.text, "json": to_json, "csv": view.csv}
     text = texts[arguments.format](document)
     if arguments.out is not None:
@@ -50,3 +54,13 @@ def answer(arguments: Namespace) -> Answer:
     if any(one.undecided for one in assessments):
         return Answer(text, UNDECIDED)
     return Answer(text, 0 if all(one.fastest and not one.fastest.reason for one in found) else 1)
+
+
+def _reference(motion: Motion) -> dict[str, Any]:
+    """The time-optimal motion along the same path, or why there is none."""
+    from puma_septic.optimum import time_optimal
+
+    try:
+        return {"reason": "", **time_optimal(motion).to_dict()}
+    except (InputError, NoSolution) as error:
+        return {"reason": str(error)}

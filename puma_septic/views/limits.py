@@ -51,8 +51,23 @@ def _notes(one: Document) -> list[str]:
         notes += [fast["reason"]] if fast["reason"] else []
     if heavy is not None and heavy["feasible"][0][0]:
         notes.append(f"feasible payloads: {intervals_text(heavy['feasible'], 'kg')}")
+    if "reference" in one:
+        notes.append(_reference(one["reference"]))
     certificates = {answer["certificate"] for answer in (fast, heavy) if answer is not None} - {"proved"}
     return [*notes, *(f"{certificate}, not proved" for certificate in sorted(certificates))]
+
+
+def _reference(found: Document) -> str:
+    """How far the profile is from the quickest motion along its path."""
+    if found["reason"]:
+        return f"no reference: {found['reason']}"
+    excess = ""
+    if found["excess"] is not None:
+        excess = f", which breaks a limit: {LimitCheck.from_dict(found['excess'])}"
+    return (
+        f"gap {number(numeric(found['gap']), 4)}: along the same path the optimum takes"
+        f" {number(found['certified_duration'], 5)} s ({number(found['duration'], 5)} s by toppra{excess})"
+    )
 
 
 def _not_assessed(one: Document) -> list[str]:

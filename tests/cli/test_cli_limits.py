@@ -50,3 +50,14 @@ def test_a_task_that_no_duration_mends_says_why(capsys: pytest.CaptureFixture[st
 def test_a_place_of_two_numbers_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*ARGUMENTS, "--com", "0,0"]) == 2
     assert "'0,0' is not X,Y,Z" in capsys.readouterr().err
+
+
+def test_the_reference_says_what_a_profile_costs(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*ARGUMENTS, "--reference", "--format", "json"]) == 0
+    one = json.loads(capsys.readouterr().out)["profiles"][0]
+    reference = one["reference"]
+    assert reference["gap"] == one["fastest"]["duration"] / reference["certified_duration"]
+    assert reference["gap"] > 1.3
+    assert main([*ARGUMENTS, "--reference"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert f"septic: gap {reference['gap']:.3f}: along the same path the optimum takes" in text

@@ -296,18 +296,22 @@ def _split(part: _Parts, level: Array, cell: Index, column: Index, grid: _Grid, 
 
 def _highest(series: Array, low: Array, high: Array) -> Array:
     """Where each Taylor series is highest between two places, by Newton's method within brackets."""
-    delta, near = (low + high) / 2, _LAST_STEP * (high - low)
+    found, moving = (low + high) / 2, np.arange(len(low))
+    delta, near = found, _LAST_STEP * (high - low)
     for _ in range(_MOST_STEPS):
         _, slope, bend = _taylor(series, delta)
         low, high = np.where(slope > 0, delta, low), np.where(slope > 0, high, delta)
         with np.errstate(divide="ignore", invalid="ignore"):
             newton = delta - slope / bend
         following = np.where((bend < 0) & (newton >= low) & (newton <= high), newton, (low + high) / 2)
-        moved = np.abs(following - delta)
-        delta = following
-        if (moved <= near).all():
+        left = np.abs(following - delta) > near
+        found[moving] = following
+        if not left.any():
             break
-    return np.asarray(delta)
+        # Nearly all are found in four steps: the others go on alone.
+        moving, series, delta = moving[left], series[:, left], following[left]
+        low, high, near = low[left], high[left], near[left]
+    return np.asarray(found)
 
 
 def _taylor(series: Array, delta: Array) -> tuple[Array, Array, Array]:

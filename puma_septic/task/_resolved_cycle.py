@@ -90,20 +90,6 @@ class ResolvedCycle:
         """
         return assess_cycle(self.cycle, names=self.names, tool_limits=tool_limits(self.task), floor=self.task.floor)
 
-    def __repr__(self) -> str:
-        return one_line("ResolvedCycle", self._facts())
-
-    def _repr_html_(self) -> str:
-        return card("ResolvedCycle", self._facts())
-
-    def _facts(self) -> dict[str, object]:
-        return {
-            "task": self.task.name,
-            "robot": self.robot.name,
-            "motions": ", ".join(self.names),
-            "duration": f"{self.cycle.duration:g} s",
-        }
-
 
 def resolve_cycle(task: Task) -> ResolvedCycle:
     """Load the robot, solve the poses, choose the branch, and make the motions of a task's cycle.

@@ -521,10 +521,8 @@ def test_an_unforeseen_exception_is_70_with_what_to_report(
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_takes_debug(command: str) -> None:
-    needed = {"check": ["--robot", "puma560", "plan.yaml"], "study": ["run", "study.yaml"], "init": ["cell"]}.get(
-        command, []
-    )
-    assert parse([command, *needed, "--debug"], COMMANDS).debug
+    needed = {"check": ["--robot", "puma560", "plan.yaml"], "study": ["reach.yaml"], "init": ["task"]}
+    assert parse([command, *needed.get(command, []), "--debug"], COMMANDS).debug
 
 
 def test_debug_changes_nothing_of_bad_input(capsys: pytest.CaptureFixture[str]) -> None:

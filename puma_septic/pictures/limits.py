@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from puma_septic.limits import MotionLimits
-from puma_septic.pictures._elements import Curve, Entry, Mark, Picture, chart
+from puma_septic.pictures._elements import Curve, Entry, Mark, Picture, chart, saying
 from puma_septic.pictures._styles import PROFILES, Dot, profile_line
 
 __all__ = ["payload_picture"]
@@ -25,5 +25,8 @@ def payload_picture(found: Sequence[MotionLimits], labels: Sequence[str]) -> Pic
         if one.heaviest is not None and one.motion.trajectory.duration <= one.durations[-1]:
             dot = Dot(shape="point", hue=PROFILES[k % len(PROFILES)])
             marks.append(Mark(x=one.motion.trajectory.duration, y=one.heaviest.mass, dot=dot))
-    panel = chart("still", curves, title="largest payload", x_label="duration [s]", y_label="payload [kg]", marks=marks)
+    title = "largest payload"
+    panel = saying(title, "No payload keeps the limits at any duration that is shown.")
+    if curves:
+        panel = chart("still", curves, title=title, x_label="duration [s]", y_label="payload [kg]", marks=marks)
     return Picture(name="payload", title="Payload over duration", panels=(panel,), columns=1, legend=tuple(legend))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -10,9 +11,11 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
-from helpers.arms import joint, link, load
+from helpers.arms import joint, link, load, panda, ur5
+from helpers.places import KINOVA
 
 import puma_septic as ps
+from puma_septic.dynamics import acceleration_function
 from puma_septic.simulation import LAWS, METRICS, Gains, simulate_all
 
 CONTINUOUS = ps.Controller(law="computed_torque", rate=np.inf)
@@ -30,6 +33,10 @@ def smooth_arm() -> ps.Robot:
     puma = ps.load_robot()
     rotors = [ps.Actuator(gear_ratio=one.gear_ratio, rotor_inertia=one.rotor_inertia) for one in puma.actuators]
     return puma.with_actuators(rotors).with_limits(effort=np.nan)
+
+
+def continuous() -> ps.Robot:
+    return ps.load_robot(KINOVA, locked="others")
 
 
 @cache
@@ -86,6 +93,19 @@ def test_forward_dynamics_is_the_inverse_of_assessed_torques(puma: ps.Robot, pay
     bare = ps.inverse_dynamics(puma, q, v, a, friction=False)
     by_hand = np.array([pin.aba(model, data, *row).copy() for row in zip(q, v, bare, strict=True)])
     assert by_hand == pytest.approx(a, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "arm", [ur5, panda, lambda: ps.load_robot(KINOVA, locked="others")], ids=["ur5", "panda", "kinova"]
+)
+def test_forward_dynamics_of_other_arms(arm: Callable[[], ps.Robot], rng: np.random.Generator) -> None:
+    """Seven joints, and continuous ones, which Pinocchio keeps as cosine and sine; also as a simulation calls it."""
+    robot = arm()
+    q, v, a = rng.uniform(-1.0, 1.0, (3, 5, robot.n_joints))
+    tau = ps.inverse_dynamics(robot, q, v, a, friction=False)
+    assert ps.forward_dynamics(robot, q, v, tau, friction=False) == pytest.approx(a, abs=1e-9)
+    for rows in (slice(0, 1), slice(0, 5)):
+        assert acceleration_function(robot)(q[rows], v[rows], tau[rows]) == pytest.approx(a[rows], abs=1e-9)
 
 
 @pytest.mark.parametrize("law", [law for law in LAWS if law != "none"])

@@ -76,8 +76,8 @@ def _turned(arguments: Namespace) -> dict[str, list[float]]:
 
 
 def _text(task: Task, robot: Robot, posed: list[tuple[str, Posed]]) -> str:
-    head = f"Robot: {robot.name}, tool {robot.tool!r}, poses in {task.frame!r}; joint positions in rad (prismatic: m)"
-    return "\n\n".join([wrapped(head), *(f"{label}\n{_table(robot, point.solutions)}" for label, point in posed)])
+    head = f"Robot: {robot.name}, tool {robot.tool!r}, poses in {task.frame!r}"
+    return "\n\n".join([wrapped(head), *(f"{label}\n\n{_table(robot, point.solutions)}" for label, point in posed)])
 
 
 def _short_text(task: Task, robot: Robot, posed: list[tuple[str, Posed]]) -> str:
@@ -131,8 +131,14 @@ def _table(robot: Robot, solutions: IkSolutions) -> str:
     ]
     extent = f"{solutions.extent[0].upper()}{solutions.extent[1:]}"
     remark = f"{extent}." if solutions.is_complete else f"{extent}; there may be others."
-    table = text_table(["branch", *robot.joint_names, "beyond limits"], rows)
+    table = text_table(["branch", *_headed(robot), "beyond limits"], rows)
     return "\n".join([table, *singular, remark, _lowest(robot, solutions)])
+
+
+def _headed(robot: Robot) -> list[str]:
+    """The joints with the units of their positions."""
+    pairs = zip(robot.joint_names, robot.is_prismatic, strict=True)
+    return [f"{name} [{'m' if slides else 'rad'}]" for name, slides in pairs]
 
 
 def _lowest(robot: Robot, solutions: IkSolutions) -> str:

@@ -9,7 +9,7 @@ from textwrap import wrap
 from typing import Any, Final
 
 from puma_septic.document import numeric
-from puma_septic.quantities import QUANTITIES, typeset
+from puma_septic.quantities import QUANTITIES, Quantity, typeset
 from puma_septic.views.tables import Cell, html_table, text_table
 
 __all__ = ["html", "short_text", "text"]
@@ -61,12 +61,18 @@ def _head(document: Document) -> str:
 def _joint_rows(document: Document) -> tuple[list[str], list[list[Cell]]]:
     joints = document["joints"]
     quantities = [QUANTITIES[name] for name in joints[0]["limits"]]
-    headers = ["joint", "type", *(quantity.name for quantity in quantities), "moves [kg]"]
+    headers = ["joint", "type", *(_headed(quantity, joints) for quantity in quantities), "moves [kg]"]
     rows: list[list[Cell]] = [
         [joint["name"], _kind(joint), *(_limit(joint, one.name) for one in quantities), f"{joint['mass']:.4g}"]
         for joint in joints
     ]
     return headers, rows
+
+
+def _headed(quantity: Quantity, joints: Sequence[Document]) -> str:
+    """With the unit, where it is that of all joints."""
+    units = {quantity.unit(joint["is_prismatic"]) for joint in joints}
+    return f"{quantity.name} [{units.pop()}]" if len(units) == 1 else quantity.name
 
 
 def _kind(joint: Document) -> str:

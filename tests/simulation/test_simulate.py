@@ -95,9 +95,7 @@ def test_forward_dynamics_is_the_inverse_of_assessed_torques(puma: ps.Robot, pay
     assert by_hand == pytest.approx(a, abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    "arm", [ur5, panda, lambda: ps.load_robot(KINOVA, locked="others")], ids=["ur5", "panda", "kinova"]
-)
+@pytest.mark.parametrize("arm", [ur5, panda, continuous])
 def test_forward_dynamics_of_other_arms(arm: Callable[[], ps.Robot], rng: np.random.Generator) -> None:
     """Seven joints, and continuous ones, which Pinocchio keeps as cosine and sine; also as a simulation calls it."""
     robot = arm()

@@ -254,7 +254,7 @@ def test_static_friction_holds_what_coulomb_friction_would_let_slip(tmp_path: Pa
 def test_what_scales_a_motion_in_time_says_what_it_does_not_know() -> None:
     move = paper_motion().trajectory
     for friction in (STICKY, ps.Friction(viscous=0.0, coulomb=[0.1, -0.1], load_share=0.1)):
-        robot = arm(friction).with_limits(effort=1.0)
+        robot = arm(friction).with_limits(effort=1.0, position=[[-9.0, 9.0]] * 6)
         with pytest.raises(ps.InputError, match=r"knows viscous and Coulomb friction alone; 'joint1', .* 'puma560'"):
             ps.least_stretch(robot, move)
         with pytest.raises(ps.InputError, match="least duration at which torque keeps its limits knows viscous"):
@@ -285,7 +285,9 @@ def test_pairs_with_stribeck_friction_are_assessed_in_full() -> None:
     cycle = ps.cycle.with_return(paper_motion(), dwell=0.5)
     own, joint = ps.load_drivetrains(cycle.robot)[1], "joint2"
     laws = [replace(own.measured_friction, static=np.array([k, -k]), stribeck_velocity=3.0) for k in (0.5, 5.0)]
-    motor, gearbox = replace(own.motor, name="M", peak_torque=1.0), replace(own.gearbox, name="G")
+    # All of the least set is known, so that each pair can be decided.
+    motor = replace(own.motor, name="M", peak_torque=1.0, continuous_torque=1.0, max_speed=500.0)
+    gearbox = replace(own.gearbox, name="G", max_average_torque=500.0, max_repeated_torque=500.0)
     for law, expected in zip(laws, (True, False), strict=True):
         pair = ps.drives.Pair(motor="M", gearbox="G", friction=law, max_effort=own.max_effort)
         catalogue = ps.Catalogue(motors=[motor], gearboxes=[gearbox], pairs=[pair])

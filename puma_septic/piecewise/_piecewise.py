@@ -258,8 +258,8 @@ class Piecewise:
         return self._with(self.coefficients[: kept[-1] + 1 if len(kept) else 1])
 
     def aligned_with(self, other: Piecewise) -> Piecewise:
-        """The same function with the breaks of `other`, which has the same span, added to its own."""
-        return self if _same(self.offsets, other.offsets) else self._split_offsets([other.offsets])
+        """The same function on the breaks of `other`, which has the same span, and its own where `other` has none."""
+        return self if _same(self.offsets, other.offsets) else self._on(_merged(other.offsets, self.offsets))
 
     def shifted(self, seconds: float) -> Piecewise:
         """The same function, later by a number of seconds: ``f(t - seconds)``."""
@@ -423,8 +423,10 @@ class Piecewise:
     def _split_offsets(self, offsets: Sequence[Array]) -> Piecewise:
         """`split`, at times from the start."""
         merged = _merged(self.offsets, np.concatenate(offsets))
-        if len(merged) == len(self.offsets):
-            return self
+        return self if len(merged) == len(self.offsets) else self._on(merged)
+
+    def _on(self, merged: Array) -> Piecewise:
+        """The same function on intervals that divide its own, breaks that are one to rounding as `merged` has them."""
         parent = np.searchsorted(self.offsets[1:-1], (merged[:-1] + merged[1:]) / 2)
         if not self.degree:
             return self._trusted(self.start, merged, self.coefficients[:, parent])

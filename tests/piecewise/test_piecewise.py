@@ -404,6 +404,18 @@ def test_split_leaves_the_function_unchanged(seed: int, parts: list[float], degr
     assert all(np.abs(g.breaks - s).min() <= allowed for s in times)
 
 
+def test_breaks_are_those_of_the_other_function_also_where_two_are_one_to_rounding() -> None:
+    """A cycle's torque may have two breaks within rounding; the velocity aligned with it had one, and sizing ended."""
+    near = float(np.nextafter(np.nextafter(1.0, 2.0), 2.0))
+    other = Piecewise(breaks=[0.0, 1.0, near, 2.0, 3.0], coefficients=np.zeros((1, 4, 1)))
+    f = random_series(3, n=2, degree=5)
+    f = Piecewise(breaks=[0.0, near, 3.0], coefficients=f.coefficients[:, :, :1])
+    aligned = f.aligned_with(other)
+    np.testing.assert_array_equal(aligned.breaks, other.breaks)
+    t = np.linspace(0.0, 3.0, 50)
+    np.testing.assert_allclose(aligned(t), f(t), rtol=0, atol=1e-12)
+
+
 def test_split_leaves_out_what_changes_nothing() -> None:
     f = random_series(3)
     close = f.breaks[1] * (1 + 1e-15)

@@ -43,6 +43,7 @@ def test_every_public_name_is_there(name: str) -> None:
     assert getattr(value, "__doc__", None), f"{name} has no docstring"
 
 
+@pytest.mark.slow
 def test_each_public_name_resolves_first_in_a_fresh_interpreter() -> None:
     """`from puma_septic import *` must not depend on what has been imported before."""
     names = _in_a_fresh_interpreter("from puma_septic import *; result = sorted(globals())")

@@ -53,6 +53,7 @@ def test_peaks_and_means_of_the_motion_are_those_of_refined_samples(profile: str
 
 
 @pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.slow
 def test_torque_power_and_energy_are_those_of_refined_samples(puma: ps.Robot, profile: str) -> None:
     trajectory, result = paper_move(profile), assessed(profile)
     torque, breaks = torque_with_friction(puma, trajectory)

@@ -465,6 +465,7 @@ def test_help_loads_the_standard_library_alone() -> None:
     assert heavy.isdisjoint(run.stdout.split())
 
 
+@pytest.mark.slow
 def test_assess_loads_no_drawing_library() -> None:
     code = "import sys, puma_septic.cli as c; c.main(['assess']); print(*sys.modules)"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -477,6 +478,7 @@ def test_as_a_process() -> None:
     assert "lspb" in run.stdout
 
 
+@pytest.mark.slow
 def test_a_reader_that_leaves_early_is_no_failure() -> None:
     """As in ``puma-septic assess | head``: the exit code is still the verdict, and nobody complains."""
     read, write = os.pipe()
@@ -543,6 +545,7 @@ def test_a_result_that_cannot_be_written_is_no_verdict() -> None:
     assert subprocess.run(["sh", "-c", f"{shell} none.yaml 2>&-"], stdout=subprocess.PIPE).returncode == 2
 
 
+@pytest.mark.slow
 def test_a_terminal_without_the_characters_shows_their_numbers(joints: str) -> None:
     Path(joints).write_text(JOINTS.format(name="Größe"), encoding="utf-8")
     environment = {**os.environ, "PYTHONIOENCODING": "ascii"}

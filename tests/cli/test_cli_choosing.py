@@ -80,6 +80,7 @@ def test_optimise_takes_another_profile_with_what_it_leaves_free(capsys: pytest.
     assert document["improvement"] > 0.9
 
 
+@pytest.mark.slow
 def test_optimise_two_objectives_gives_a_front(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     target = tmp_path / "out"
     arguments = [

@@ -234,6 +234,7 @@ def test_degrees_are_asked_for(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert "degrees? joint 'joint3' reaches 143.2" in " ".join(capsys.readouterr().out.split())
 
 
+@pytest.mark.slow
 def test_nine_decimals_at_1_khz_are_decided_by_their_band(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Their jerk is mostly noise, their torque right to 0.1 %: a limit beyond the band is kept or broken for sure."""
     table = rows(2001)
@@ -270,6 +271,7 @@ def test_measured_torques_are_compared(tmp_path: Path, capsys: pytest.CaptureFix
 
 
 @pytest.mark.parametrize("name", ["compare", "size"])
+@pytest.mark.slow
 def test_other_commands_take_a_log(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
     path = written(tmp_path / "log.csv", rows(101).tolist())
     assert main([name, "--csv", path, *(["--profile", "quintic"] if name == "compare" else [])]) in (0, 1)
@@ -295,6 +297,7 @@ def test_a_log_is_replayed_into_a_small_page(tmp_path: Path, capsys: pytest.Capt
     assert (out / "samples.csv").stat().st_size < 1e6
 
 
+@pytest.mark.slow
 def test_samples_of_an_assessment_go_in_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
     assert main(["assess", "paper-turned", "--profile", "quintic_segments", "--out", str(out), "--no-png"]) == 0

@@ -37,6 +37,7 @@ def test_a_folder_that_cannot_be_written_is_bad_input(tmp_path: Path, capsys: py
     assert re.fullmatch(r"puma-septic: error: .*replay\.html: the replay cannot be written there: [^\n]*\n", err)
 
 
+@pytest.mark.slow
 def test_serves_until_ctrl_c_on_another_port_where_one_is_taken() -> None:
     environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
     with socket.socket() as other:

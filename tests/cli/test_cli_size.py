@@ -52,6 +52,7 @@ def test_reserves_of_the_arms_own_drives(capsys: pytest.CaptureFixture[str]) -> 
     assert reserves["payload"]["governing"]["utilisation"] > 1
 
 
+@pytest.mark.slow
 def test_json_of_both_kinds(capsys: pytest.CaptureFixture[str]) -> None:
     _, own, _ = ask(capsys, "--format", "json")
     _, chosen, _ = ask(capsys, "--catalogue", "example", "--format", "json", "--keep", "1")

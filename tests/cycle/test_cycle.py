@@ -197,6 +197,7 @@ def test_mean_speed_is_travel_over_time(puma: ps.Robot) -> None:
     np.testing.assert_allclose(cycle.mean_speed, np.full(6, 2 * 0.8 / 6.0), rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_metrics_of_the_paper_s_cycle_are_those_of_a_million_samples() -> None:
     """Midpoint sums, held to their own error: the change from half as many samples."""
     cycle = ps.cycle.with_return(paper_motion(loaded=True), dwell=0.5, robot_back=ps.load_robot())

@@ -104,7 +104,7 @@ def test_continuous_torque_follows_the_s1_curve_and_ends_with_it() -> None:
         ({"peak_curve": [[0, 1], [20, 1], [20, 0]]}, r"speeds \[0.0, 20.0, 20.0\] rad/s must increase strictly"),
         ({"continuous_curve": [[0, 1], [20, -1]]}, r"continuous_curve: torques \[1.0, -1.0\] N m must be >= 0"),
         ({"continuous_torque": 1.0, "continuous_curve": [[0, 1], [9, 1]]}, "continuous_torque .* not both"),
-        ({"thermal_resistances": [1.0]}, "1 thermal_resistances and 0 thermal_time_constants"),
+        ({"thermal_time_constants": [1.0]}, "0 thermal_resistances and 1 thermal_time_constants"),
         ({"thermal_resistances": [1, 2, 3]}, "expected one or two positive numbers"),
         ({"max_winding_celsius": -300.0}, "max_winding_celsius = -300 degrees Celsius must be greater than -273.15"),
     ],

@@ -89,6 +89,7 @@ def test_the_least_duration_is_that_of_bisection_on_assessments(puma: ps.Robot, 
 
 
 @pytest.mark.parametrize("share", [0.967, 0.975, 0.985])
+@pytest.mark.slow
 def test_feasibility_is_not_monotone_and_every_interval_is_found(tmp_path: Path, share: float) -> None:
     """From hanging to 60 degrees above the horizontal: past the horizontal the pendulum brakes, which carries it.
 

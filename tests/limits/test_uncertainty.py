@@ -49,6 +49,7 @@ def test_which_datum_decides(rod: ps.Robot) -> None:
     assert ps.torque_uncertainty(free, com=0.02).verdicts == ("unknown",)
 
 
+@pytest.mark.slow
 def test_no_draw_exceeds_the_box_and_a_corner_attains_it(puma: ps.Robot, rng: np.random.Generator) -> None:
     """Law: quantiles rise to the greatest and stay below it; nominal values are those of the assessment."""
     robot = puma.with_payload(ps.Payload(mass=2.0, com=[0, 0, 0.1])).with_wrench(ps.Wrench(force=[3.0, 0, 1.0]))

@@ -82,6 +82,7 @@ def test_a_joint_at_rest_inside_a_noisy_log_takes_no_friction(puma: ps.Robot) ->
 
 @pytest.mark.parametrize(("noise", "rate"), [(1e-4, 1000), (1e-5, 1000), (1e-6, 500)])
 @pytest.mark.parametrize("part", [1.1, 1.5])
+@pytest.mark.slow
 def test_smoothing_by_a_number_rests_where_the_samples_do(
     puma: ps.Robot, noise: float, rate: float, part: float
 ) -> None:
@@ -146,6 +147,7 @@ def test_a_continuous_joint_is_unwrapped_and_another_one_doubted() -> None:
 
 
 @pytest.mark.parametrize("kind", [{"noise": 1e-5}, {"noise": 1e-4}, {"step": ENCODER_STEP}, {"jitter": 0.6}])
+@pytest.mark.slow
 def test_noise_leaves_an_interpolated_log_undecided_and_smoothing_decides(
     puma: ps.Robot, kind: dict[str, float]
 ) -> None:
@@ -166,6 +168,7 @@ def test_noise_leaves_an_interpolated_log_undecided_and_smoothing_decides(
     assert smooth.peak_torque == pytest.approx(ps.assess(puma, MOVE).peak_torque, rel=0.01)
 
 
+@pytest.mark.slow
 def test_noise_steps_and_jitter_are_estimated() -> None:
     for noise in (1e-6, 1e-4):
         assert fit_samples(*recorded(MOVE, 1000, noise=noise)).noise == pytest.approx([noise] * 6, rel=0.1)
@@ -212,6 +215,7 @@ def test_held_samples_are_found() -> None:
     assert not any("held" in doubt for doubt in ps.fit_trajectory(t, slow).doubts)
 
 
+@pytest.mark.slow
 def test_long_logs_get_a_knot_for_every_few_samples() -> None:
     t = np.linspace(0.0, 3.6, 31_001)
     fitted = ps.fit_trajectory(t, MOVE(t))

@@ -57,6 +57,7 @@ def test_true_torques_are_within_their_bands(puma: ps.Robot, count: int, rates: 
     assert np.median(widths) < 0.05
 
 
+@pytest.mark.slow
 def test_a_band_grows_with_the_noise_and_is_none_without(puma: ps.Robot) -> None:
     widths = [np.ptp(banded(puma, "septic", 250, noise=noise)[0].peak, axis=0).mean() for noise in NOISE]
     assert (np.diff(widths) > 0).all()

@@ -312,6 +312,7 @@ def test_least_time_reaches_a_limit_exactly_and_scales_with_them() -> None:
     assert once.duration < once.start.duration
 
 
+@pytest.mark.slow
 def test_least_time_with_free_velocities() -> None:
     free = ps.least_time(
         profiles.quintic, POINTS[:, :1], TIMES, max_acceleration=1.0, free=["velocities", "accelerations"], restarts=0

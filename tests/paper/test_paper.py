@@ -227,12 +227,14 @@ def test_claim_13_torque(report: PaperReport) -> None:
 # --- verdicts follow the inputs ---
 
 
+@pytest.mark.slow
 def test_claim_1_follows_the_text() -> None:
     corrected = PAPER.text_points.copy()
     corrected[2, 2] = 0.3
     assert verdict(1, text_points=corrected) == "holds"
 
 
+@pytest.mark.slow
 def test_claim_2_follows_the_words() -> None:
     assert verdict(2, configuration="right-down-flip") == "holds"
     assert verdict(2, configuration="left-up-noflip") == "does not hold"
@@ -243,12 +245,14 @@ def test_claim_3_follows_the_limits(puma: ps.Robot) -> None:
     assert verdict(3, robot=free) == "holds"
 
 
+@pytest.mark.slow
 def test_claim_4_follows_stated_constraints() -> None:
     assert verdict(4, velocity_limit=1.4, acceleration_limit=1.1) == "holds"
     assert verdict(4, velocity_limit=1.0) == "does not hold"
     assert verdict(4, velocity_limit=1.0, acceleration_limit=1.1) == "holds in part"
 
 
+@pytest.mark.slow
 def test_claims_5_6_and_10_follow_the_points() -> None:
     """An arm that is to stay where it is has no jerk, no overshoot, and stands still at the vias."""
     still = np.tile(PAPER.table_1[1], (4, 1))
@@ -261,10 +265,12 @@ def test_claims_5_6_and_10_follow_the_points() -> None:
 
 
 @pytest.mark.parametrize("number", [7, 8])
+@pytest.mark.slow
 def test_claims_7_and_8_hold_without_blends(number: int) -> None:
     assert verdict(number, blend_time=0.0) == "holds"
 
 
+@pytest.mark.slow
 def test_claim_9_follows_the_clock_and_the_blends() -> None:
     """The first three runs that are timed are the septic's, the next three LSPB's."""
     slow_septic = reproduce(runs=3, clock=fake_clock(9, 9, 9, 1, 1, 1)).claims[8]
@@ -366,6 +372,7 @@ def test_document_is_json(report: PaperReport) -> None:
     assert [one["profile"] for one in document["assessments"]] == ["septic", "lspb", "quintic_segments"]
 
 
+@pytest.mark.slow
 def test_unbounded_values_are_json_too() -> None:
     """Without blends, jerk and torque are infinite; JSON has no infinity."""
     report = reproduce(inputs=replace(PAPER, blend_time=0.0), runs=1)

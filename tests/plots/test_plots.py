@@ -88,6 +88,7 @@ def test_an_arm_without_known_limits_has_nothing_but_a_remark(puma: ps.Robot, se
     assert figure._repr_png_()
 
 
+@pytest.mark.slow
 def test_texts_of_a_panel_do_not_overlap(figures: dict[str, Figure]) -> None:
     """The joint's name stands at the left above its panel, the remark on a far limit at the right."""
     for name, figure in figures.items():
@@ -112,6 +113,7 @@ def test_nothing_is_shown_or_saved(septic: Assessment, tmp_path: Path, monkeypat
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_pyplot_is_never_loaded() -> None:
     """Pyplot costs 0.35 s to import and keeps every figure alive until it is closed."""
     code = "import sys, puma_septic.plots; sys.exit('matplotlib.pyplot' in sys.modules)"
@@ -289,6 +291,7 @@ def test_sampled_takes_both_sides_of_a_break() -> None:
     assert values[at, 0].tolist() == [1.0, 2.0]
 
 
+@pytest.mark.slow
 def test_matplotlib_and_svg_draw_the_same(septic: Assessment, lspb: Assessment) -> None:
     """Two descriptions of one picture had grown apart in their limits, ranges and names."""
     for picture in assessment_pictures([septic, lspb], ["septic", "lspb"]):

@@ -131,6 +131,7 @@ def _with_ratio(gearbox: ps.Gearbox, ratio: float) -> ps.Gearbox:
     return ps.Gearbox(ratio=ratio, **{name: getattr(gearbox, name) for name in names})
 
 
+@pytest.mark.slow
 def test_all_figures_have_units_and_can_be_written() -> None:
     for picture in sizing_pictures(chosen()):
         name, figure = picture.name, ps.plots.draw(picture)

@@ -81,6 +81,7 @@ def test_stops_at_all_points_within_limits_and_at_one_of_them(task: tuple[Array,
 
 @given(stops(), st.floats(0.3, 3.0))
 @settings(max_examples=20)
+@pytest.mark.slow
 def test_limits_over_powers_of_k_stretch_time_by_k(task: tuple[Array, dict[str, Array]], k: float) -> None:
     points, limits = task
     move = double_s(points, **limits)

@@ -65,6 +65,7 @@ def test_the_executed_trajectory_is_that_of_the_samples() -> None:
     assert again.profile == "quintic_segments, executed"
 
 
+@pytest.mark.slow
 def test_the_command_tells_simulates_and_writes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     task = str(task_file(tmp_path))
     assert main(["execute", task, "--settle", "0.1", "--controller", "pd", "--format", "json"]) == 0

@@ -46,6 +46,7 @@ def catalogue(**changes: float) -> ps.Catalogue:
 # ---- W1, W7, W10: unknown never wins
 
 
+@pytest.mark.slow
 def test_a_bare_part_does_not_win() -> None:
     """A motor of which nothing but 0.01 kg was known was strong enough everywhere, first by mass, cost and margin."""
     bare = ps.Motor(name="bare", mass=0.01)
@@ -106,6 +107,7 @@ def test_a_direct_drive_needs_no_data_of_gears() -> None:
     assert ps.size(cycle(), catalogue=direct).is_feasible
 
 
+@pytest.mark.slow
 def test_thermal_resistances_alone_reject() -> None:
     """640 public motors have no time constants: (R1 + R2) P was thrown away, and is the mean rise at least."""
     heat = {"thermal_resistances": [1.0, 2.0], "max_winding_celsius": 120.0}
@@ -126,6 +128,7 @@ def test_thermal_resistances_alone_reject() -> None:
 # ---- W3: conditions
 
 
+@pytest.mark.slow
 def test_conditions_hold_for_a_catalogue() -> None:
     """A drives file with 1 mA was ignored beside a catalogue, and no option gave a life, a voltage or a margin."""
     pair = catalogue(rated_life_hours=1.0, rated_torque=10.0, rated_speed=100.0)
@@ -141,6 +144,7 @@ def test_conditions_hold_for_a_catalogue() -> None:
         assert joint.rejections == {check: 1}
 
 
+@pytest.mark.slow
 def test_a_margin_rejects_and_is_named_per_check() -> None:
     governing = ps.size(cycle(), catalogue=catalogue()).joint("joint2").best.governing
     left = governing.margin
@@ -246,6 +250,7 @@ def test_the_chosen_parts_hold_in_every_case_and_the_case_is_named() -> None:
     assert any(reason.endswith("(6 kg)") for reason in both.joint("joint2").rejections)
 
 
+@pytest.mark.slow
 def test_life_is_that_of_the_mix() -> None:
     """Palmgren and Miner: 1 / (0.9 / L1 + 0.1 / L2)."""
     life = {"rated_life_hours": 1e4, "rated_torque": 50.0, "rated_speed": 200.0}
@@ -306,6 +311,7 @@ def test_one_size_for_several_joints_and_a_front() -> None:
 # ---- W2, W12: what is handed out
 
 
+@pytest.mark.slow
 def test_the_document_names_the_choice() -> None:
     document = json.loads(json.dumps(ps.size(cycle(), catalogue=catalogue()).to_dict()))
     assert [(line["kind"], line["name"], line["count"]) for line in document["bill_of_material"]] == [

@@ -166,6 +166,7 @@ except ps.InputError as error:
 """
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_an_error_and_leaves_nothing_half(tmp_path: Path) -> None:
     """A limit on the size of files stands for the disk: the system refuses the bytes beyond it in the same way."""
     done = subprocess.run(

@@ -277,6 +277,7 @@ def test_a_shape_that_cannot_be_drawn_is_named() -> None:
         ("panda_description/urdf/panda.urdf", {"panda_finger_joint1": 0.02, "panda_finger_joint2": 0.02}, 11),
     ],
 )
+@pytest.mark.slow
 def test_robots_with_meshes_are_shown(urdf: str, locked: dict[str, float], shapes: int) -> None:
     robot = ps.load_robot(ROBOTS / urdf, package_dirs=[SHARE], locked=locked)
     assert robot.missing_meshes == ()
@@ -525,6 +526,7 @@ def test_a_closed_replay_refuses_at_once(puma: ps.Robot) -> None:
         ask(port, {"Host": f"127.0.0.1:{port}"})
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_a_script_cleanly() -> None:
     code = """
 import puma_septic as ps

@@ -85,7 +85,7 @@ def _rows(path: str | PathLike[str], lines: Sequence[str], separator: str) -> li
         return [Row(k + 1, cells) for k, line in enumerate(told()) if (cells := line.split())]
     try:
         reader = csv.reader(told(), delimiter=separator, strict=True, skipinitialspace=True)
-        return [Row(reader.line_num, cells) for cells in reader if any(cell.strip() for cell in cells)]
+        return [Row(reader.line_num, cells) for cells in reader if "".join(cells).strip()]
     except csv.Error as error:
         raise InputError(f"{path}: cannot be read as a CSV file: {error}") from error
 

@@ -165,10 +165,11 @@ def _numbers(path: Path, header: Sequence[str], rows: Sequence[Row], layout: Lay
     for row in rows:
         if len(row.cells) != len(header):
             raise InputError(f"{path}, row {row.line} has {len(row.cells)} cells, the header {len(header)}")
+    texts = [[row.cells[k] for k in wanted] for row in rows]
     try:
-        values = np.array([[float(row.cells[k]) for k in wanted] for row in rows])
+        values = np.array([[float(text) for text in row] for row in texts])
         # float() would take 1_000 for a number.
-        good = np.isfinite(values).all() and not any("_" in row.cells[k] for row in rows for k in wanted)
+        good = np.isfinite(values).all() and not any("_" in "".join(row) for row in texts)
     except ValueError:
         good = False
     if not good:

@@ -46,34 +46,36 @@ def sample_noise(t: Array, q: Array) -> Array:
     q : ndarray, shape (n, n_joints)
         rad (m).
     """
-    noise = np.zeros(q.shape[1])
     if len(t) < _FEWEST:
-        return noise
-    for j in range(q.shape[1]):
-        sizes = [_typical_difference(t, q[:, j], order) for order in _ORDERS]
-        best = int(np.argmin(sizes))
-        still_falling = best == len(sizes) - 1 and sizes[-1] < _FALLING * sizes[-2]
-        noise[j] = 0.0 if still_falling else sizes[best]
+        return np.zeros(q.shape[1])
+    # Shape (n_orders, n_joints).
+    sizes = np.array([_typical_differences(t, q, order) for order in _ORDERS])
+    best = np.argmin(sizes, axis=0)
+    still_falling = (best == len(sizes) - 1) & (sizes[-1] < _FALLING * sizes[-2])
+    noise = np.where(still_falling, 0.0, sizes.min(axis=0))
     # What rounding of the samples themselves makes is no noise.
     floor = 8 * np.finfo(float).eps * np.abs(q).max(axis=0)
     return np.where(noise > floor, noise, 0.0)
 
 
-def _typical_difference(t: Array, q: Array, order: int) -> float:
+def _typical_differences(t: Array, q: Array, order: int) -> list[float]:
+    """The typical divided difference of each joint over the windows in which it moves; the weights are for all."""
     stride = max(1, len(t) // _MOST_WINDOWS)
     times = sliding_window_view(t, order + 1)[::stride]
-    values = sliding_window_view(q, order + 1)[::stride]
-    moving = np.ptp(values, axis=1) > 0
-    if not moving.any():
-        return 0.0
-    times, values = times[moving], values[moving]
     # In units of the window, so that no weight overflows.
     x = (times - times[:, :1]) / (times[:, -1:] - times[:, :1])
     gaps = x[:, :, None] - x[:, None, :] + np.eye(order + 1)
     weights = 1 / (gaps.prod(axis=2) * factorial(order))
     weights /= np.linalg.norm(weights, axis=1, keepdims=True)
-    differences = (weights * (values - values[:, :1])).sum(axis=1)
-    level = float(np.clip(1 - _STEPS * (order + 1) / len(differences), 0.5, _MOST_COMMON))
+    return [_typical(weights, sliding_window_view(column, order + 1)[::stride]) for column in q.T]
+
+
+def _typical(weights: Array, values: Array) -> float:
+    moving = np.ptp(values, axis=1) > 0
+    if not moving.any():
+        return 0.0
+    differences = (weights * (values - values[:, :1])).sum(axis=1)[moving]
+    level = float(np.clip(1 - _STEPS * values.shape[1] / len(differences), 0.5, _MOST_COMMON))
     return float(np.quantile(np.abs(differences), level) / ndtri((1 + level) / 2))
 
 

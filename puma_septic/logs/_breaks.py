@@ -51,6 +51,8 @@ _EVEN: Final = 8.0
 _OUTSIDE: Final = 0.02
 # Breaks of two joints so close together, in steps of time, are one: by their order, as that is how well they are known.
 _SAME: Final = {1: 1e-4, 2: 1e-4, 3: 1e-3, 4: 1e-2}
+# A break this near to an end, in steps of time, is that of the end itself: what is between no sample sees.
+_AT_END: Final = 0.02
 # A rise of the acceleration within this part of a step of time at an end is a step of it.
 _BESIDE_END: Final = 0.5
 # Samples of the polynomial on either side: within those that stand out beside a place.
@@ -62,11 +64,23 @@ _MOST_PLACES: Final = 2000
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Break:
-    """An instant, s, at which the derivative of this order steps, after the sample `gap`."""
+    """An instant, s, at which the derivative of this order steps, after the sample `gap`.
+
+    By `doubt`, a part of the step of time, rounding or noise may have moved it.
+    """
 
     time: float
     order: int
     gap: int
+    doubt: float = 0.0
+
+
+class Found(NamedTuple):
+    """The order of a break, where it is, and by how much it may be elsewhere, in steps of time."""
+
+    order: int
+    at: float
+    doubt: float
 
 
 class Place(NamedTuple):
@@ -106,14 +120,14 @@ def find_breaks(t: Array, q: Array, noise: Array, ends: Array) -> tuple[tuple[Br
     return _united(t, found)
 
 
-def _inside(t: Array, steps: Array, breaks: Sequence[tuple[int, float]]) -> list[Break]:
-    """Breaks, by order and time, that are not at the very start or end, nor beside a step of the acceleration there."""
+def _inside(t: Array, steps: Array, breaks: Sequence[Found]) -> list[Break]:
+    """Breaks that are not at the very start or end, nor beside a step of the acceleration there."""
     found = []
-    for order, time in sorted(breaks, key=lambda one: one[1]):
+    for order, time, doubt in sorted(breaks, key=lambda one: one.at):
         gap = int(np.clip(np.searchsorted(t, time, side="right") - 1, 0, len(t) - 2))
-        low, high = (t[gap + 1] - t[gap]) * np.where(steps, _BESIDE_END, _SAME[order])
+        low, high = (t[gap + 1] - t[gap]) * np.where(steps, _BESIDE_END, _AT_END)
         if t[0] + low < time < t[-1] - high:
-            found.append(Break(time=time, order=order, gap=gap))
+            found.append(Break(time=time, order=order, gap=gap, doubt=doubt))
     return found
 
 
@@ -169,9 +183,9 @@ def _running(values: Array, count: int) -> Array:
     return np.asarray(maximum_filter1d(values, count, axis=0, origin=-(count // 2)))
 
 
-def _of_joint(t: Array, q: Array, places: Sequence[Place], span: slice, uncertain: float) -> list[tuple[int, float]]:
-    """Orders and times of the breaks of a joint: exact ones first, then those that come near to one."""
-    free, found = np.zeros(len(t), np.bool_), list[tuple[int, float]]()
+def _of_joint(t: Array, q: Array, places: Sequence[Place], span: slice, uncertain: float) -> list[Found]:
+    """The breaks of a joint, at times in s: exact ones first, then those that come near to one."""
+    free, found = np.zeros(len(t), np.bool_), list[Found]()
     free[span] = True
     for allowed in (_VANISHING, _NEARLY):
         for place in places:
@@ -188,8 +202,8 @@ def _of_joint(t: Array, q: Array, places: Sequence[Place], span: slice, uncertai
     return found
 
 
-def _steps(t: Array, q: Array, place: Place, allowed: float, uncertain: float) -> list[tuple[int, float]]:
-    """Orders and times of the steps that make the polynomials on both sides of a place differ: one, or two of jerk."""
+def _steps(t: Array, q: Array, place: Place, allowed: float, uncertain: float) -> list[Found]:
+    """The steps that make the polynomials on both sides of a place differ: one, or two of jerk."""
     start, step = t[place.first], t[place.first + 1] - t[place.first]
     x, y = (t - start) / step, q - q[place.first]
     sides = slice(place.first + 1 - _SIDE, place.first + 1), slice(place.last, place.last + _SIDE)
@@ -198,10 +212,10 @@ def _steps(t: Array, q: Array, place: Place, allowed: float, uncertain: float) -
     found = _single(left - right, end, allowed, uncertain) if place.last == place.first + 1 else []
     if not found and place.is_clear:
         found = _two_of_jerk(left - right, end, x[inner], left(x[inner]) - y[inner], uncertain)
-    return [(order, float(start + min(max(at, 0.0), end) * step)) for order, at in found]
+    return [one._replace(at=float(start + min(max(one.at, 0.0), end) * step)) for one in found]
 
 
-def _single(difference: Polynomial, end: float, allowed: float, uncertain: float) -> list[tuple[int, float]]:
+def _single(difference: Polynomial, end: float, allowed: float, uncertain: float) -> list[Found]:
     """Where a difference is like ``c (x - x0)^m``, for the highest order m of 4, 3, 2 and 1.
 
     Its lower derivatives vanish there; a step of velocity outweighs the next derivatives instead.
@@ -215,13 +229,11 @@ def _single(difference: Polynomial, end: float, allowed: float, uncertain: float
             size = abs(derivatives[order](x))
             least = max((_NEARLY if order == 1 else allowed) * size, uncertain)
             if size >= _CERTAIN * uncertain and all(abs(one(x)) <= least for one in small):
-                return [(order, x)]
+                return [Found(order, x, uncertain / size)]
     return []
 
 
-def _two_of_jerk(
-    difference: Polynomial, end: float, x: Array, passed: Array, uncertain: float
-) -> list[tuple[int, float]]:
+def _two_of_jerk(difference: Polynomial, end: float, x: Array, passed: Array, uncertain: float) -> list[Found]:
     """Where a difference is ``c1 (x - x1)^3 + c2 (x - x2)^3``, by Prony's method about the middle.
 
     At the samples x between, only what was `passed` already makes a difference: four numbers fit any cubic.
@@ -244,7 +256,7 @@ def _two_of_jerk(
     made = sum(factor * np.maximum(0.0, x - at) ** 3 for factor, at in zip(factors, both, strict=True))
     if (np.abs(made - passed) > max(_CUBIC * size, uncertain)).any():
         return []
-    return [(3, at) for at in both]
+    return [Found(3, at, 0.0) for at in both]
 
 
 def _within(roots: ArrayLike, end: float, margin: float) -> list[float]:
@@ -254,14 +266,21 @@ def _within(roots: ArrayLike, end: float, margin: float) -> list[float]:
 
 
 def _united(t: Array, found: Sequence[list[Break]]) -> tuple[tuple[Break, ...], ...]:
-    """The breaks, those of several joints that are one at one instant: that of the lowest order is known best."""
+    """The breaks, those of several joints that are one at one instant: that of the lowest order is known best.
+
+    Left apart, two instants that only rounding tells apart make an interval so short that its acceleration is rounding.
+    """
     every = sorted((one for joint in found for one in joint), key=lambda one: one.time)
     known: dict[Break, float] = {}
     for k, one in enumerate(every):
         if one in known:
             continue
         step = float(t[one.gap + 1] - t[one.gap])
-        group = [other for other in every[k:] if other.time - one.time <= _SAME[max(one.order, other.order)] * step]
-        best = min(group, key=lambda other: other.order).time
+        group = [
+            other
+            for other in every[k:]
+            if other.time - one.time <= step * max(_SAME[max(one.order, other.order)], one.doubt, other.doubt)
+        ]
+        best = min(group, key=lambda other: (other.order, other.doubt)).time
         known |= {other: best for other in group if other not in known}
     return tuple(tuple(replace(one, time=known[one]) for one in joint) for joint in found)

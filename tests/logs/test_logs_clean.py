@@ -46,12 +46,33 @@ def is_known(puma: ps.Robot, seed: int) -> bool:
     if (np.abs(found[finite] - right[finite]) <= allowed[finite]).all():
         return True
     band = torque_band(motion, fit)
-    # Where the samples tell so little that the verdict stays open, a peak may be beyond its band.
     within = (band.peak[0] <= right + allowed) & (right <= band.peak[1] + allowed)
-    assert within.all() or fit.questions, f"{name}: {band.peak}, {right}"
+    assert within.all(), f"{name}: {band.peak}, {right}"
     assert band.relative_width > KNOWN, name
     assert fit.trajectory.doubts or fit.trajectory.remarks, name
     return False
+
+
+@pytest.mark.parametrize("seed", [88, 244, 374])
+def test_a_peak_that_the_samples_do_not_tell_is_in_its_band(puma: ps.Robot, seed: int) -> None:
+    """Seed 88 was outside by 14 %: more than two phases within a few samples, and the coarsest spline failed more."""
+    assert not is_known(puma, seed)
+
+
+def test_a_break_that_rounding_puts_just_before_the_end_is_the_end(puma: ps.Robot) -> None:
+    """0.006 of a step before it the acceleration was said to step: joint 3's was 20 % too high, its torque 2 %."""
+    assert is_known(puma, 295)
+
+
+def test_breaks_of_joints_that_only_rounding_tells_apart_are_one() -> None:
+    """3 cm in 4 s at 4 kHz: 1.2e-4 of a step apart, the acceleration between them was rounding, 120 times the peak."""
+    points = np.array([[0.0, 0.8, -2.2, 0.0], [-0.03, 0.82, -2.18, -0.01], [-0.03, 0.82, -2.18, -0.01]])
+    move = ps.profiles.bang_bang(points, [0.0, 4.15372938581, 6.6095])
+    t = np.linspace(0.0, 6.6095, 26439)
+    fit = fit_samples(t, move(t))
+    assert fit.trajectory.peak(2)[0] == pytest.approx(move.peak(2)[0], rel=1e-4)
+    for breaks in fit.spread.breaks:
+        assert [one.time for one in breaks] == [one.time for one in fit.spread.breaks[0]]
 
 
 @pytest.mark.parametrize("seed", [5, 10, 37, 42, 52, 55])

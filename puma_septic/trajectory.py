@@ -33,6 +33,15 @@ _ROUNDING = 64 * np.finfo(np.float64).eps
 _RESAMPLED = 8 * np.finfo(np.float64).eps
 
 
+def _per_joint_resolution(value: ArrayLike | float, n: int) -> Array:
+    if isinstance(value, float) and value == 0.0:  # of every planned motion
+        return read_only(np.zeros(n))
+    resolution = checked_array("resolution", value, () if np.ndim(value) == 0 else (n,))
+    if not (resolution >= 0).all():
+        raise InputError(f"resolution = {resolution.min():g}: must be at least 0")
+    return read_only(np.zeros(n) + resolution)
+
+
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Trajectory:
@@ -95,10 +104,7 @@ class Trajectory:
         for name in ("rest_before", "rest_after"):
             if not isinstance(getattr(self, name), bool):
                 raise InputError(f"{name} = {getattr(self, name)!r}: expected True or False")
-        resolution = checked_array("resolution", self.resolution, () if np.ndim(self.resolution) == 0 else (n,))
-        if not (resolution >= 0).all():
-            raise InputError(f"resolution = {resolution.min():g}: must be at least 0")
-        object.__setattr__(self, "resolution", read_only(np.zeros(n) + resolution))
+        object.__setattr__(self, "resolution", _per_joint_resolution(self.resolution, n))
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "points", checked_array("points", self.points, (len(times), n), unit="rad"))
         if self.joint_names and len(self.joint_names) != n:

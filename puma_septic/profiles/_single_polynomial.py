@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -102,30 +103,49 @@ def through_all(vias: Vias, **ends: ArrayLike | None) -> Trajectory:
 
 
 def _interpolated(points: Array, t: Array, ends: Array) -> tuple[Array, float]:
-    """Chebyshev coefficients (k + 4, n_joints), and how far they are off, see `refined`.
+    """Chebyshev coefficients (k + 4, n_joints), and a bound of how far they are off, relative to the movement.
 
-    With points relative to the first, a joint that does not move gets coefficients that are exactly zero.
+    Where rounding of all coefficients is harmless whatever the points are, the inverse in extended precision gives
+    them to a rounding; else see `refined`. With points relative to the first, a joint that does not move gets
+    coefficients that are exactly zero.
     """
-    matrix, inverse = _conditions(tuple(t.tolist()))
+    conditions = _conditions(tuple(t.tolist()))
     right = np.concatenate([points, (t[-1] / 2) ** _END_ORDERS * ends])
-    if inverse is None:
+    if conditions.inverse is None:
         return np.zeros_like(right), np.inf
-    return refined(inverse.__matmul__, matrix.__matmul__, right)
+    if conditions.doubt <= ALLOWED_DOUBT:
+        return (conditions.exact_inverse @ right).astype(np.float64), conditions.doubt
+    return refined(conditions.inverse.__matmul__, conditions.matrix.__matmul__, right)
+
+
+class _Conditions(NamedTuple):
+    """Conditions on the coefficients at times since the first, which are all that they depend on.
+
+    The rows; their inverse in double precision, if there is one, and corrected by a step of Newton's method; and by how
+    much a solution of it may be off, relative to its right-hand side.
+    """
+
+    matrix: NDArray[np.longdouble]
+    inverse: Array | None
+    exact_inverse: NDArray[np.longdouble]
+    doubt: float
 
 
 @lru_cache(maxsize=64)
-def _conditions(t: tuple[float, ...]) -> tuple[NDArray[np.longdouble], Array | None]:
-    """Rows of the conditions on the coefficients at times since the first, and their inverse, if there is one.
-
-    They depend on the times alone, which many moves share.
-    """
+def _conditions(t: tuple[float, ...]) -> _Conditions:
     degree = len(t) + 3
     angle = np.arccos(np.array(t, dtype=np.longdouble) / (t[-1] / 2) - 1)
     matrix = np.concatenate([np.cos(angle[:, None] * np.arange(degree + 1)), _end_conditions(degree)])
     try:
-        return matrix, np.linalg.inv(matrix.astype(np.float64))
+        inverse = np.linalg.inv(matrix.astype(np.float64))
     except np.linalg.LinAlgError:  # two times are the same, to rounding
-        return matrix, None
+        return _Conditions(matrix, None, matrix, np.inf)
+    identity = np.eye(degree + 1)
+    exact = np.asarray(inverse + inverse @ (identity - matrix @ inverse), dtype=np.longdouble)
+    # |x| <= |inverse| |right|: a rounding of all coefficients, and what the inverse lacks.
+    lacks = float(np.abs(identity - matrix @ exact).sum())
+    size = float(np.abs(exact).sum())
+    return _Conditions(matrix, inverse, exact, (np.finfo(np.float64).eps + lacks) * size)
 
 
 @lru_cache(maxsize=16)

@@ -83,9 +83,9 @@ class Vias:
         if len(instants) != len(q):
             raise InputError(f"times: {len(instants)} times for {len(q)} points; one for each is needed")
         t = instants - instants[0] if instants[0] else instants
-        apart = np.diff(t) > np.spacing(t[-1])
-        if not apart.all():
-            k = int(np.argmin(apart))
+        gaps = t[1:] - t[:-1]
+        if gaps.min() <= np.spacing(t[-1]):
+            k = int(np.argmin(gaps))
             raise InputError(
                 f"times: times[{k}] = {instants[k]:.12g} s and times[{k + 1}] = {instants[k + 1]:.12g} s are too close"
                 f" to each other to be told apart in the {t[-1]:g} s since the first"

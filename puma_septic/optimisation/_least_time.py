@@ -24,7 +24,7 @@ from puma_septic.optimisation._problem import (
     search_from,
 )
 from puma_septic.optimisation._proportions import Proportions
-from puma_septic.optimisation._search import COARSE, FINE, KEPT
+from puma_septic.optimisation._search import COARSE, FINE, KEPT, Found
 from puma_septic.optimisation._variables import MakeTrajectory
 from puma_septic.optimisation._verdict import Verdict, known_quantities, verdict_of
 from puma_septic.quantities import COMMON, MOTION
@@ -52,6 +52,8 @@ class LeastTime:
     ends : tuple of float
         Least time at the end of each search, s; infinite where a limit stayed violated.
     n_evaluations : int
+    n_cut : int
+        Searches that were ended by the number of their evaluations, before they converged.
     verdict : Verdict or None
         The motion found, assessed in full: limits respected, not held, not assessed; None without a robot.
     """
@@ -61,6 +63,7 @@ class LeastTime:
     limits: Array
     ends: tuple[float, ...]
     n_evaluations: int
+    n_cut: int
     verdict: Verdict | None
 
     @property
@@ -89,8 +92,10 @@ class LeastTime:
     def _reached(self) -> str:
         same = sum(end <= self.duration * (1 + 1e-3) for end in self.ends)
         tolerance = FINE if self.verdict is None or "effort" not in self.verdict.respected else COARSE
+        cut = f"; {self.n_cut} of them ended by the number of evaluations, not yet converged" if self.n_cut else ""
+        what = "the best verified motion" if self.n_cut else "a local optimum, the best"
         return (
-            f"a local optimum, the best of {len(self.ends)} searches, {same} of which ended within 0.1 % of it; no"
+            f"{what} of {len(self.ends)} searches, {same} of which ended within 0.1 % of it{cut}; no"
             f" proof that none is quicker; feasible by exact extrema: {'yes' if self.is_feasible else 'no'}; SLSQP with"
             f" central differences, relative tolerance {tolerance:g}, {self.n_evaluations} evaluations"
         )
@@ -108,6 +113,7 @@ class LeastTime:
             "utilisation": {name: plain(column) for name, column in self._used().items()},
             "ends": plain(self.ends),
             "n_evaluations": self.n_evaluations,
+            "n_cut": self.n_cut,
             "limits": None if self.verdict is None else self.verdict.to_dict(),
             "statement": self.statement,
         }
@@ -242,7 +248,7 @@ def least_time(
     count = checked_count("restarts", restarts) if setting.variables.size else 0
     starts = random_starts(setting.variables, setting.first(), count, seed)
     start = race.start(starts[0])
-    candidate, ends, n_evaluations = _raced(race, starts, progress)
+    candidate, ends, found = _raced(race, starts, progress)
     verdict = verdict_of(candidate, quantities)
     if verdict is not None and verdict.failures:
         raise _nothing_keeps(race, candidate, str(verdict.failures[0]))
@@ -251,7 +257,8 @@ def least_time(
         start=start,
         limits=limits,
         ends=ends,
-        n_evaluations=n_evaluations,
+        n_evaluations=sum(one.n_evaluations for one in found),
+        n_cut=sum(one.is_cut for one in found),
         verdict=verdict,
     )
 
@@ -294,19 +301,19 @@ def _checked_limits(
 
 def _raced(
     race: Proportions, starts: Sequence[Array], progress: Progress | None
-) -> tuple[Candidate, tuple[float, ...], int]:
-    """The quickest motion, the least time at the end of each search, and the number of evaluations.
+) -> tuple[Candidate, tuple[float, ...], list[Found]]:
+    """The quickest motion, the least time at the end of each search that counts, and all searches.
 
     Where the least time by velocity, acceleration and jerk keeps the effort limits as well, nothing is quicker; else
     the search begins anew, with the duration as a variable, from the timings that keep all limits at some duration.
     """
-    count = 0
+    first: list[Found] = []
     if not np.isnan(race.limits).all():
-        found = search_from(race.without_torque(starts[0]), starts, progress)
-        best, count = best_kept(race.setting, found), sum(one.n_evaluations for one in found)
+        first = search_from(race.without_torque(starts[0]), starts, progress)
+        best = best_kept(race.setting, first)
         if race.torque is None or race.least(best.x) <= best.value * (1 + KEPT):
-            ends = tuple(one.value if one.excess <= KEPT else np.inf for one in found)
-            return race.quickest(best.x), ends, count
+            ends = tuple(one.value if one.excess <= KEPT else np.inf for one in first)
+            return race.quickest(best.x), ends, first
         starts = [best.x, *starts]
     starts = [x for x in starts if np.isfinite(race.least(x))] or starts[:1]
     problem, begin = race.with_torque(starts[0])
@@ -316,7 +323,7 @@ def _raced(
     if not np.isfinite(min(least)):
         raise _none_found(race, tried)
     candidate = race.quickest(tried[int(np.argmin(least))])
-    return candidate, tuple(least[: len(found)]), count + sum(one.n_evaluations for one in found)
+    return candidate, tuple(least[: len(found)]), [*first, *found]
 
 
 def _none_found(race: Proportions, tried: Sequence[Array]) -> NoSolution:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 import numpy as np
@@ -26,6 +26,10 @@ _IDLE: Final = 0.1
 _ROUNDING: Final = 1e-12
 # A profile whose peaks, made anew at the scaled times, are this far off does not obey the law of scaling.
 _UNSCALED: Final = 1e-9
+# Evaluations of one search where effort is to be kept, by velocity, acceleration and jerk alone, and with torque, which
+# takes some ms each time: with free velocities of six joints a search would go on for minutes.
+_MOST_TIMES: Final = 3000
+_MOST_TORQUES: Final = 1000
 # The duration changes by no more than this factor in one search.
 _STRETCH: Final = 100.0
 # How free values scale with time: knots are times, velocities and accelerations go down.
@@ -123,7 +127,8 @@ class Proportions:
     def without_torque(self, first: Array) -> Problem:
         """Least time by velocity, acceleration and jerk: the largest of what each limit and interval needs."""
         idle = _IDLE * needed_time(self.made(first, 1.0).trajectory, self.limits)
-        return self.setting.problem(lambda candidate: self._times_needed(candidate, idle))
+        problem = self.setting.problem(lambda candidate: self._times_needed(candidate, idle))
+        return problem if self.torque is None else replace(problem, most=_MOST_TIMES)
 
     def with_torque(self, first: Array) -> tuple[Problem, Callable[[Array], Array]]:
         """Least duration, which is one more variable, under all limits; and where to begin for proportions x."""
@@ -141,7 +146,11 @@ class Proportions:
 
         reach = np.log(_STRETCH)
         problem = Problem(
-            evaluate=evaluate, lower=np.append(lower, -reach), upper=np.append(upper, reach), tolerance=COARSE
+            evaluate=evaluate,
+            lower=np.append(lower, -reach),
+            upper=np.append(upper, reach),
+            tolerance=COARSE,
+            most=_MOST_TORQUES,
         )
         return problem, lambda x: np.append(x, np.clip(np.log(self._duration(x) / scale), -reach, reach))
 

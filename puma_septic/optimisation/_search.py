@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final, final
 
 import numpy as np
@@ -53,6 +53,8 @@ class Problem:
         Relative change of the value at which a search ends.
     gradient : callable or None
         Of the only part, where its structure gives it.
+    most : int or None
+        Evaluations after which a search ends with the best that it has seen.
     """
 
     evaluate: Callable[[Array], tuple[Array, Array]]
@@ -60,17 +62,19 @@ class Problem:
     upper: Array
     tolerance: float = FINE
     gradient: Callable[[Array], Array] | None = None
+    most: int | None = None
 
 
 @final
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Found:
-    """Where a search ended: variables, value, largest excess of a constraint, evaluations."""
+    """Where a search ended: variables, value, largest excess of a constraint, evaluations; whether those ended it."""
 
     x: Array
     value: float
     excess: float
     n_evaluations: int
+    is_cut: bool = False
 
     @property
     def rank(self) -> tuple[float, float]:
@@ -86,9 +90,16 @@ def search(problem: Problem, start: Array) -> Found:
     (SciPy's SLSQP and Nelder-Mead).
     """
     memory = _Memory(problem, start)
-    best = memory.found(start)
     if not len(start):
-        return best
+        return memory.found(start)
+    try:
+        return _searched(memory, start)
+    except _Spent:
+        return replace(memory.best, n_evaluations=memory.count, is_cut=True)
+
+
+def _searched(memory: _Memory, start: Array) -> Found:
+    best = memory.found(start)
     inside = _INSIDE
     for _ in range(_ROUNDS):
         found = memory.found(_quadratic(memory, best.x, inside))
@@ -102,7 +113,11 @@ def search(problem: Problem, start: Array) -> Found:
             break
     if memory.n_parts > 1 and len(start) <= _SIMPLEX_LIMIT:
         best = min(best, memory.found(_simplex(memory, best.x)), key=lambda one: one.rank)
-    return Found(x=best.x, value=best.value, excess=best.excess, n_evaluations=memory.count)
+    return replace(best, n_evaluations=memory.count)
+
+
+class _Spent(Exception):
+    """All evaluations that a search may make are made."""
 
 
 class _Memory:
@@ -115,12 +130,17 @@ class _Memory:
         parts, excess = self(start)
         self.n_parts, self._n_excess = len(parts), len(excess)
         self.scale = max(abs(float(parts.max())), 1e-12)
+        self.best = self.found(start)
 
     def __call__(self, x: Array) -> tuple[Array, Array]:
         key = x.tobytes()
         if key not in self._known:
+            if self.count == self.problem.most:
+                raise _Spent
             self.count += 1
             self._known[key] = self.problem.evaluate(x) if self.count == 1 else self._guarded(x)
+            if self.count > 1:
+                self.best = min(self.best, self.found(x), key=lambda one: one.rank)
         return self._known[key]
 
     def _guarded(self, x: Array) -> tuple[Array, Array]:

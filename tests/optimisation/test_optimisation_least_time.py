@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from helpers.arms import DRIVE, pendulum
 import puma_septic as ps
 from puma_septic import profiles
 from puma_septic.optimisation import LeastTime
+from puma_septic.optimisation._search import Problem, search
 from puma_septic.validation import Array
 
 HOME = np.array([0.3, -0.5, 0.2, 0.1, 0.4, -0.3])
@@ -203,3 +205,33 @@ def test_random_least_times_pass_assess_and_are_least(puma: ps.Robot, seed: int)
 @pytest.mark.parametrize("seed", range(3, 40))
 def test_more_random_least_times_pass_assess_and_are_least(puma: ps.Robot, seed: int) -> None:
     is_least_and_kept(puma, seed)
+
+
+def test_a_search_ends_with_the_best_that_it_has_seen() -> None:
+    """With free velocities of six joints and effort to keep, a search went on for minutes."""
+
+    def evaluate(x: Array) -> tuple[Array, Array]:
+        return np.array([100 * (x[1] - x[0] ** 2) ** 2 + (1 - x[0]) ** 2]), np.zeros(0)
+
+    start, reach = np.array([-1.2, 1.0]), np.array([5.0, 5.0])
+    problem = Problem(evaluate=evaluate, lower=-reach, upper=reach)  # Rosenbrock's valley, least at (1, 1)
+    whole, some = search(problem, start), search(replace(problem, most=60), start)
+    assert not whole.is_cut
+    assert whole.value < 1e-7
+    assert some.is_cut
+    assert some.n_evaluations == 60 < whole.n_evaluations
+    assert whole.value < some.value < evaluate(start)[0][0]
+    assert some.value == evaluate(some.x)[0][0]
+
+
+@pytest.mark.slow
+def test_least_time_with_free_velocities_ends_and_says_what_is_not_proved(puma: ps.Robot) -> None:
+    robot = loaded(puma, 2.5)
+    result = ps.least_time(profiles.cubic, HEAVY, [0, 0.9, 2.1, 3.0], robot=robot, free=["velocities"], restarts=0)
+    assert result.n_cut > 0
+    assert "the best verified motion of" in result.statement
+    assert "ended by the number of evaluations, not yet converged; no proof that none is quicker" in result.statement
+    assert result.is_feasible
+    assert ps.assess(robot, result.trajectory).is_feasible
+    assert result.start is not None
+    assert result.duration < result.start.duration

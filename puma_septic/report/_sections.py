@@ -259,13 +259,15 @@ def _execution_case(execution: Execution, title: str | None) -> Case:
         for name in drawn
         for label, move in _executed_and_planned(name, execution.simulations[name])
     ]
-    word = "One diverged." if execution.has_diverged else "All stayed on their plans."
+    count = len(execution.simulations)
+    word = "Not all stayed on their plans." if execution.has_diverged else "None left its plan."
     return Case(
         title=_titled([one for _, one in pairs], title),
         assessments=tuple(one for _, one in pairs),
         labels=[label for label, _ in pairs],
         is_feasible=not execution.has_diverged,
-        sentence=f"{len(execution.simulations)} trajectories simulated under one controller. {word}",
+        sentence=f"{'1 trajectory' if count == 1 else f'{count} trajectories'} simulated under one controller. {word}",
+        heading="Diverged" if execution.has_diverged else "Simulated",
         preface=_boxed(execution._repr_html_()),
         pictures=execution_pictures(execution),
     )

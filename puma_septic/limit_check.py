@@ -210,6 +210,9 @@ class LimitCheck:
         """Whether the limit is a bound, and the margin a distance from it: so for positions and heights."""
         return self.quantity == HEIGHT or (self.quantity in QUANTITIES and QUANTITIES[self.quantity].is_range)
 
+    def __repr__(self) -> str:
+        return f"<LimitCheck: {self}>"
+
     def __str__(self) -> str:
         when = ("" if isnan(self.time) else f" at t = {self.time:.4g} s") + (f" of {self.case!r}" if self.case else "")
         kind = "" if self.kind == "joint limit" else f" ({self.kind})"

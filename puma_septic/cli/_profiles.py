@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from dataclasses import asdict
+from inspect import Parameter
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, Final
 
@@ -11,17 +12,19 @@ from puma_septic.cli._output_arguments import add_format, add_verbose
 from puma_septic.cli._parser import Answer
 
 if TYPE_CHECKING:
-    from puma_septic.profiles import ProfileInfo
+    from puma_septic.profiles import Family, ProfileInfo
     from puma_septic.views.tables import Cell
 
 __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]
 
-SUMMARY = "list the available profiles"
+SUMMARY = "list the available profiles, or the options of one"
 
 DESCRIPTION = """\
-List the profiles: what each needs, how smooth it is, what it does at the vias."""
+List the profiles: what each needs, how smooth it is, what it does at the vias. With a NAME, that profile and its
+options."""
 
 EXAMPLES = """profiles
+profiles lspb
 profiles --normalised"""
 
 # Jerk at the ends below this is rounding.
@@ -38,7 +41,8 @@ _COEFFICIENTS: Final = (
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """Only the form."""
+    """One profile, or the form of the list."""
+    parser.add_argument("name", nargs="?", metavar="NAME", help="one profile, with its options and their defaults")
     parser.add_argument(
         "--normalised", action="store_true", help="also the coefficients of one unit of movement in one unit of time"
     )
@@ -47,12 +51,13 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def run(arguments: Namespace) -> Answer:
-    """The catalogue, and the normalised table where asked for."""
+    """The catalogue or one of it, and the normalised table where asked for."""
     from puma_septic.document import SCHEMAS, plain, records_csv, to_json
-    from puma_septic.profiles import available, normalised_table
+    from puma_septic.profiles import available, family, normalised_table
     from puma_septic.views.tables import text_table
 
-    infos = available()
+    one = None if arguments.name is None else family(arguments.name)
+    infos = available() if one is None else (one.info,)
     if arguments.format == "json":
         document: dict[str, Any] = {"schema": SCHEMAS["profiles"], "profiles": [asdict(info) for info in infos]}
         if arguments.normalised:
@@ -62,6 +67,8 @@ def run(arguments: Namespace) -> Answer:
     if arguments.format == "csv":
         given = normalised_table() if arguments.normalised else infos
         return Answer(records_csv(_record(asdict(one)) for one in given), 0)
+    if one is not None and not arguments.normalised:
+        return Answer(_described(one), 0)
     headers = ("profile", "class", "inside", "at vias", "overshoots", "needs")
     table = [_cells(info) for info in infos]
     if not arguments.verbose and not arguments.normalised:
@@ -69,6 +76,27 @@ def run(arguments: Namespace) -> Answer:
         return Answer(f"{short}\nMore: -v shows what each needs; --normalised its coefficients.", 0)
     lines = [text_table(headers, table), *wrap(_NOTE, 100)]
     return Answer("\n".join([*lines, *(_normalised() if arguments.normalised else [])]), 0)
+
+
+def _described(one: Family) -> str:
+    """A profile in words, and its options as a task names them."""
+    info, options = one.info, one.defaults
+    needed = ", ".join(f"{name}: ..." for name, value in options.items() if value is Parameter.empty)
+    choice = f"{{name: {info.name}, {needed}}}" if needed else info.name
+    shown = (
+        f"{name} ({'required' if value is Parameter.empty else 'optional' if value is None else f'default: {value}'})"
+        for name, value in options.items()
+    )
+    vias = "stops at the vias" if info.at_vias == "stops" else f"{info.at_vias} the vias"
+    swing = "may overshoot" if info.overshoots else "never overshoots"
+    lines = (
+        f"{info.name}: {info.continuity} from rest to rest, {info.inside} inside; {vias}; {swing}",
+        f"Needs: {info.needs}",
+        f"Options: {', '.join(shown) or 'none'}",
+        f"Source: {info.source}",
+        f"In a task: profiles: [{choice}]",
+    )
+    return "\n".join(line for text in lines for line in wrap(text, 100, subsequent_indent="  "))
 
 
 def _record(record: dict[str, Any]) -> dict[str, Any]:

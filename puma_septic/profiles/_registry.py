@@ -38,7 +38,13 @@ class Family:
     @property
     def options(self) -> tuple[str, ...]:
         """What it takes beside points, times and joint names."""
-        return tuple(name for name in signature(self.function).parameters if name not in _GIVEN)
+        return tuple(self.defaults)
+
+    @property
+    def defaults(self) -> dict[str, Any]:
+        """The options with their defaults; `inspect.Parameter.empty` for one that must be given."""
+        parameters = signature(self.function).parameters
+        return {name: parameter.default for name, parameter in parameters.items() if name not in _GIVEN}
 
     def takes_times(self, options: Mapping[str, Any]) -> bool:
         """Whether it is made for given times; with a limit of velocity instead, or none of them, it finds its own."""

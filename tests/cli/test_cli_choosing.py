@@ -18,6 +18,18 @@ def printed(arguments: list[str], capsys: pytest.CaptureFixture[str], code: int 
     return out
 
 
+def test_profiles_tells_the_options_of_one(capsys: pytest.CaptureFixture[str]) -> None:
+    """Errors of tasks knew the options of a profile; no command told them."""
+    text = " ".join(printed(["profiles", "lspb"], capsys).split())
+    assert "Options: durations (optional), max_velocity (optional), blend_time (required)" in text
+    assert "In a task: profiles: [{name: lspb, blend_time: ...}]" in text
+    assert "degree (default: 5)" in printed(["profiles", "bspline"], capsys)
+    document = json.loads(printed(["profiles", "cubic", "--format", "json"], capsys))
+    assert [row["name"] for row in document["profiles"]] == ["cubic"]
+    assert main(["profiles", "quintc"]) == 2
+    assert "did you mean 'quintic'?" in capsys.readouterr().err
+
+
 def test_profiles_lists_all_of_them(capsys: pytest.CaptureFixture[str]) -> None:
     text = printed(["profiles", "--normalised"], capsys)
     assert max(map(len, text.splitlines())) <= 100

@@ -67,14 +67,18 @@ def _typical_differences(t: Array, q: Array, order: int) -> list[float]:
     gaps = x[:, :, None] - x[:, None, :] + np.eye(order + 1)
     weights = 1 / (gaps.prod(axis=2) * factorial(order))
     weights /= np.linalg.norm(weights, axis=1, keepdims=True)
-    return [_typical(weights, sliding_window_view(column, order + 1)[::stride]) for column in q.T]
+    changed = np.diff(q, axis=0) != 0
+    moving = sliding_window_view(changed, order, axis=0)[::stride].any(axis=2)
+    return [
+        _typical(weights[moves], sliding_window_view(column, order + 1)[::stride][moves])
+        for column, moves in zip(q.T, moving.T, strict=True)
+    ]
 
 
 def _typical(weights: Array, values: Array) -> float:
-    moving = np.ptp(values, axis=1) > 0
-    if not moving.any():
+    if not len(values):
         return 0.0
-    differences = (weights * (values - values[:, :1])).sum(axis=1)[moving]
+    differences = np.einsum("ij,ij->i", weights, values - values[:, :1])
     level = float(np.clip(1 - _STEPS * values.shape[1] / len(differences), 0.5, _MOST_COMMON))
     return float(np.quantile(np.abs(differences), level) / ndtri((1 + level) / 2))
 

@@ -68,7 +68,7 @@ def _typical_differences(t: Array, q: Array, order: int) -> list[float]:
     weights = 1 / (gaps.prod(axis=2) * factorial(order))
     weights /= np.linalg.norm(weights, axis=1, keepdims=True)
     changed = np.diff(q, axis=0) != 0
-    moving = sliding_window_view(changed, order, axis=0)[::stride].any(axis=2)
+    moving = np.asarray(sliding_window_view(changed, order, axis=0)[::stride].any(axis=2))
     return [
         _typical(weights[moves], sliding_window_view(column, order + 1)[::stride][moves])
         for column, moves in zip(q.T, moving.T, strict=True)

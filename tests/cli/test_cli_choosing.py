@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from puma_septic.cli import main
@@ -166,6 +167,25 @@ def test_least_time_of_two_points(heavy: Path, tmp_path: Path, capsys: pytest.Ca
     heavy.write_text("".join(lines[:5] + lines[7:]).replace("0, 0.9, 2.1, 3.0", "0, 1").replace("septic", "quintic"))
     arguments = ["optimise", str(heavy), "--objective", "duration", "--out", str(tmp_path / "out")]
     assert "feasible by exact extrema: yes" in " ".join(printed(arguments, capsys).split())
+
+
+def test_optimise_reads_and_writes_points_in_degrees(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The same task in rad has the same optimum; what is written keeps the points in degrees and gives its times."""
+    degrees = np.array([[0.0, 34, -126, 0, 17, 0], [57, 68, -149, 11, 34, 6], [90, 34, -126, 0, 17, 0]])
+    found = []
+    for key, points in (("joints_deg", degrees), ("joints", np.deg2rad(degrees))):
+        task, best = tmp_path / f"{key}.yaml", tmp_path / f"best_{key}.yaml"
+        task.write_text(
+            f"name: {key}\nrobot: {{source: puma560}}\ntimes: [0, 1, 2]\nprofiles: [quintic_spline]\npoints:\n"
+            + "".join(f"  - {{{key}: {row}}}\n" for row in points.tolist())
+        )
+        arguments = ["optimise", str(task), "--restarts", "0", "--format", "json", "--write", str(best)]
+        found.append(json.loads(printed(arguments, capsys))["optimum"])
+        assert f"{key}: [" in best.read_text()
+        again = ["optimise", str(best), "--restarts", "0", "--format", "json"]
+        assert json.loads(printed(again, capsys))["start"]["times"] == pytest.approx(found[-1]["times"], rel=1e-12)
+    assert found[0]["times"] == pytest.approx(found[1]["times"], rel=1e-6)
+    assert found[0]["value"] == pytest.approx(found[1]["value"], rel=1e-9)
 
 
 def test_optimise_lspb_passes_durations(capsys: pytest.CaptureFixture[str]) -> None:

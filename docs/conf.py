@@ -3,8 +3,13 @@
 import sys
 from pathlib import Path
 
+from pygments.lexers.special import TextLexer
+from sphinx.highlighting import lexers
+
 import puma_septic
 
+# Pygments has no lexer for tables.
+lexers["csv"] = TextLexer()
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 
 project = "puma_septic"

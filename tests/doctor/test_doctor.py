@@ -213,7 +213,7 @@ def load(name: str, folder: Path, change: Callable[[Arm], None] | None = None) -
     return ps.load_robot(path, locked=FINGERS if name == "panda" else None)
 
 
-@pytest.mark.parametrize("name", SOUND)
+@pytest.mark.parametrize("name", [pytest.param(one, marks=() if one == "ur10" else pytest.mark.slow) for one in SOUND])
 def test_sound_arms_have_no_findings(name: str, tmp_path: Path) -> None:
     """With their meshes too, whose volumes go with the masses."""
     drawn = ps.load_robot(SOUND[name], package_dirs=[ROBOTS.parent], locked=FINGERS if name == "panda" else None)

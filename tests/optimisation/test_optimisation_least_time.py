@@ -153,6 +153,7 @@ def test_positions_are_held_by_the_proportions() -> None:
     assert bound.trajectory.overshoot.max() <= 0.5 + 1e-9
 
 
+@pytest.mark.slow
 def test_points_beyond_a_position_limit_are_named() -> None:
     resolved = ps.resolve_task(ps.load_task("paper"))
     with pytest.raises(ps.NoSolution, match=r"joint5 position -1.9\d+ rad at t = .* beyond its bound -1.745 rad"):

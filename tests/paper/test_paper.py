@@ -240,6 +240,7 @@ def test_claim_2_follows_the_words() -> None:
     assert verdict(2, configuration="left-up-noflip") == "does not hold"
 
 
+@pytest.mark.slow
 def test_claim_3_follows_the_limits(puma: ps.Robot) -> None:
     free = puma.with_limits(position=np.tile([-4.0, 4.0], (6, 1)))
     assert verdict(3, robot=free) == "holds"
@@ -281,6 +282,7 @@ def test_claim_9_follows_the_clock_and_the_blends() -> None:
     assert slow_lspb.measured["computing_ratio"] == 2
 
 
+@pytest.mark.slow
 def test_claim_9_follows_the_limits(puma: ps.Robot) -> None:
     """Where speed is free and torque is scarce, smooth starts win over quick blends."""
     fast = puma.with_limits(velocity=100.0)

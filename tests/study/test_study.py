@@ -235,6 +235,11 @@ def test_too_many_cases_have_to_be_confirmed(tmp_path: Path) -> None:
         ps.run_study(study_of(axes=axes), tmp_path / "s")
     with pytest.raises(ps.InputError, match="workers = 0"):
         ps.run_study(study_of(), tmp_path / "s", workers=0)
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_does_not_answer_is_an_error(tmp_path: Path) -> None:
+    """Dask waits ten seconds for one."""
     with pytest.raises(ps.InputError, match="no Dask scheduler answers there"):
         ps.run_study(study_of(), tmp_path / "s", scheduler="tcp://127.0.0.1:1")
 

@@ -132,6 +132,7 @@ def test_joint_points_are_taken_as_they_are() -> None:
 
 @settings(max_examples=25)
 @given(st.lists(st.floats(-4.6, 4.6), min_size=2, max_size=5))
+@pytest.mark.slow
 def test_poses_are_wrapped_the_short_way(angles: list[float]) -> None:
     """Joint 6 turns by up to 266 deg each way, so that the solver's angle at one pose can be a turn away from the
     shortest way; every other choice of turns within limits is tried here."""

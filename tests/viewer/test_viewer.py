@@ -120,6 +120,7 @@ def test_key_frames_hold_forward_kinematics(paper: tuple[ps.Assessment, ...], pr
         np.testing.assert_allclose(tool_from_key_frames(html, t), expected, atol=4e-6)
 
 
+@pytest.mark.slow
 def test_between_key_frames_the_tool_is_where_it_should_be(paper: tuple[ps.Assessment, ...]) -> None:
     """Each joint is off by ANGLE_ERROR at most, and six levers of a PUMA are none longer than 1.2 m."""
     motion = paper[0].motion

@@ -90,12 +90,12 @@ def test_a_margin_that_is_not_kept_is_told_and_ends_with_1(tmp_path: Path, capsy
 
 @pytest.mark.slow
 def test_the_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = written(tmp_path / "log.csv", rows(11).tolist())
+    path = written(tmp_path / "log.csv", rows(201).tolist())
     out = tmp_path / "out"
     assert main(["assess", "--csv", path, "--format", "json", "--out", str(out)]) == 0
     assert json.loads((out / "assessment.json").read_text()) == json.loads(capsys.readouterr().out)
     report = (out / "report.html").read_text()
-    assert "11 rows from 0 s to 2 s, interpolated by a quintic spline</li>" in report
+    assert "201 rows from 0 s to 2 s, interpolated by a quintic spline</li>" in report
     assert "<li>Ends: at rest at both</li>" in report
     names = {file.name for file in out.iterdir()}
     assert {"report.html", "metrics.csv", "samples.csv", "torque.svg", "torque.png"} <= names

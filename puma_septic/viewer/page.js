@@ -362,7 +362,9 @@
         toggles[event.data.motion].checked = Boolean(event.data.shown);
         toggles[event.data.motion].dispatchEvent(new Event("change"));
       }
-      if (event.data.replay === "still" && stage) window.parent.postMessage({replay: "still", image: snapshot()}, "*");
+      // Hidden, as on paper, it has no size and no picture.
+      const isSeen = document.documentElement.clientWidth > 0 && document.documentElement.clientHeight > 0;
+      if (event.data.replay === "still" && stage && isSeen) window.parent.postMessage({replay: "still", image: snapshot()}, "*");
     });
   }
   seek(data.start);

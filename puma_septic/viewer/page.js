@@ -363,7 +363,7 @@
         toggles[event.data.motion].dispatchEvent(new Event("change"));
       }
       // Hidden, as on paper, it has no size and no picture.
-      const isSeen = document.documentElement.clientWidth > 0 && document.documentElement.clientHeight > 0;
+      const isSeen = byId("pane").clientWidth > 0 && byId("pane").clientHeight > 0;
       if (event.data.replay === "still" && stage && isSeen) window.parent.postMessage({replay: "still", image: snapshot()}, "*");
     });
   }

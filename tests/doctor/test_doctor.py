@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,6 +32,13 @@ SOUND = {
     "kinova": ROBOTS / "kinova_description" / "robots" / "kinova.urdf",
     "z1": ROBOTS / "z1_description" / "urdf" / "z1.urdf",
 }
+
+
+def quick(first: str, names: Iterable[str]) -> list[Any]:
+    """The quick tier has one arm, the slow one the others."""
+    return [pytest.param(one, marks=() if one == first else pytest.mark.slow) for one in names]
+
+
 # What may stop loading already.
 REFUSED = ("inertia_impossible", "distance_large", "com_far")
 FINGERS = {"panda_finger_joint1": 0.02, "panda_finger_joint2": 0.02}
@@ -213,7 +221,7 @@ def load(name: str, folder: Path, change: Callable[[Arm], None] | None = None) -
     return ps.load_robot(path, locked=FINGERS if name == "panda" else None)
 
 
-@pytest.mark.parametrize("name", [pytest.param(one, marks=() if one == "ur10" else pytest.mark.slow) for one in SOUND])
+@pytest.mark.parametrize("name", quick("ur10", SOUND))
 def test_sound_arms_have_no_findings(name: str, tmp_path: Path) -> None:
     """With their meshes too, whose volumes go with the masses."""
     drawn = ps.load_robot(SOUND[name], package_dirs=[ROBOTS.parent], locked=FINGERS if name == "panda" else None)
@@ -224,7 +232,7 @@ def test_sound_arms_have_no_findings(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("mutation", MUTATIONS)
-@pytest.mark.parametrize("name", SOUND)
+@pytest.mark.parametrize("name", quick("ur10", SOUND))
 def test_every_kind_of_fault_is_found(name: str, mutation: str, tmp_path: Path) -> None:
     """Refused when it is loaded, with the place, or left out there and so missing, or found by its own code."""
     change, code = MUTATIONS[mutation]
@@ -348,7 +356,7 @@ UNITS: dict[str, tuple[Callable[[Arm], None], str]] = {
 
 
 @pytest.mark.parametrize("unit", UNITS)
-@pytest.mark.parametrize("name", ["ur10", "kinova", "panda"])
+@pytest.mark.parametrize("name", quick("ur10", ["ur10", "kinova", "panda"]))
 def test_a_file_in_another_unit_is_doubted_beside_the_verdict(name: str, unit: str, tmp_path: Path) -> None:
     """Told in the text of each assessment, whose verdict says so; turns in degrees are noted, as some are meant."""
     change, word = UNITS[unit]

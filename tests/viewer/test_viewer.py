@@ -109,7 +109,7 @@ def tool_from_key_frames(html: str, t: float) -> np.ndarray:
 # ---- key frames
 
 
-@pytest.mark.parametrize("profile", range(3))
+@pytest.mark.parametrize("profile", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 2))])
 def test_key_frames_hold_forward_kinematics(paper: tuple[ps.Assessment, ...], profile: int) -> None:
     motion = paper[profile].motion
     html = ps.replay_html(motion)

@@ -315,6 +315,7 @@ PENDULUM = """<robot name="p"><link name="a"/><link name="b"><inertial><mass val
 
 
 @pytest.mark.parametrize("share", [0.967, 0.975, 0.985])
+@pytest.mark.slow
 def test_a_swing_that_only_holds_at_some_speeds(tmp_path: Path, share: float) -> None:
     """From hanging to 60 degrees above the horizontal: past the horizontal the pendulum brakes, which carries it.
 

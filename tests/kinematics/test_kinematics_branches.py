@@ -110,6 +110,7 @@ def test_the_general_form_is_the_pumas(rng: np.random.Generator) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.slow
 def test_names_hold_along_a_motion(robots: dict[str, ps.Robot], name: str) -> None:
     """Along straight ways in joint space a posture keeps its branch's name unless it passes a singularity."""
     robot, rng, kept = robots[name], np.random.default_rng(5), 0

@@ -95,6 +95,7 @@ def test_smoothing_by_a_number_rests_where_the_samples_do(
 
 
 @pytest.mark.parametrize("kind", [{"noise": 1e-6}, {"noise": 1e-5}, {"noise": 1e-4}, {"step": 5e-5}, {}])
+@pytest.mark.slow
 def test_a_second_of_motion_and_nine_of_rest(puma: ps.Robot, kind: dict[str, float]) -> None:
     """RMS 2.5 times too high once; of an encoder's steps of 5e-5 rad smoothed by 2e-5, 30 % too high still."""
     start = np.array([0.0, 0.8, -2.5, 0.0, 0.4, 0.0])

@@ -46,6 +46,7 @@ def test_comparison_colours_the_pareto_optimal(comparison: ps.Comparison) -> Non
 
 
 @pytest.mark.parametrize("objectives", [("peak_jerk", "overshoot"), ("peak_jerk", "peak_velocity", "overshoot")])
+@pytest.mark.slow
 def test_front_is_drawn_pair_by_pair_with_its_via_times(objectives: tuple[str, ...]) -> None:
     front = ps.pareto_front(ps.septic, POINTS, TIMES, objectives=objectives, size=3)
     figure = ps.plots.plot_pareto_front(front)

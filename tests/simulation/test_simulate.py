@@ -107,6 +107,7 @@ def test_forward_dynamics_of_other_arms(arm: Callable[[], ps.Robot], rng: np.ran
 
 
 @pytest.mark.parametrize("law", [law for law in LAWS if law != "none"])
+@pytest.mark.slow
 def test_half_the_step_changes_no_metric(law: str) -> None:
     """By 1 %, or 1e-9 rad."""
     one, other = (

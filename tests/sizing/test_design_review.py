@@ -74,6 +74,7 @@ def test_a_bare_part_does_not_win() -> None:
         ("efficiency", "efficiency or measured friction of the gearbox"),
     ],
 )  # fmt: skip
+@pytest.mark.slow
 def test_each_of_the_least_set_decides(name: str, missing: str) -> None:
     assert missing in LEAST_SET
     joint = ps.size(cycle(), catalogue=catalogue(**{name: np.nan})).joint("joint1")

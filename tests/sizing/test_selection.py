@@ -220,6 +220,7 @@ def test_the_reason_is_the_check_that_fails_worst() -> None:
 
 
 @pytest.mark.parametrize("rank", RANKS)
+@pytest.mark.slow
 def test_ranks(rank: str) -> None:
     """Three ways to order the same pairs; the first few are those of the whole list."""
     one, catalogue = load(1, True), ps.built_in_catalogue()

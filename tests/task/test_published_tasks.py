@@ -75,6 +75,7 @@ def fastest(name: str, profile: str, free: tuple[str, ...] = (), restarts: int =
         ("gasparetto-zanotto", "quintic_spline", (), 9.7106),
     ],
 )
+@pytest.mark.slow
 def test_least_times_are_feasible_by_exact_extrema(
     name: str, profile: str, free: tuple[str, ...], duration: float
 ) -> None:

@@ -10,9 +10,10 @@ import numpy as np
 
 from puma_septic.drives import Drive, Drivetrain, Gearbox, LinearStage, Motor
 from puma_septic.limit_check import Kind, LimitCheck
-from puma_septic.sizing._bounds import Bounds, PairDemands, PeakBounds, utilisation
+from puma_septic.sizing._bounds import Bounds, utilisation
 from puma_septic.sizing._demands import Demands, Peak
 from puma_septic.sizing._load_features import LoadGrid
+from puma_septic.sizing._pair_demands import PairDemands, PeakBounds
 from puma_septic.sizing._pair_features import PairTable
 from puma_septic.validation import Array
 

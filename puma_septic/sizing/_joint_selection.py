@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 from puma_septic.drives import Catalogue, Drivetrain, lacking_of_pairs, names_of
 from puma_septic.errors import InputError
 from puma_septic.limit_check import AT_LIMIT, LimitCheck
-from puma_septic.sizing._bounds import PairDemands, PeakBounds, expected_lives
+from puma_septic.sizing._bounds import expected_lives
 from puma_septic.sizing._candidates import Candidate, assessed
 from puma_septic.sizing._checks import DRIVE_LIMITS, utilisation_bounds
 from puma_septic.sizing._conditions import Conditions
 from puma_septic.sizing._load_cases import LIFE, JointCase, shared_life, with_brakes
 from puma_septic.sizing._load_features import LoadGrid, merged_peaks
+from puma_septic.sizing._pair_demands import PairDemands, PeakBounds
 from puma_septic.sizing._pair_features import PairParts, PairTable, pair_parts
 from puma_septic.validation import Array, checked_choice
 

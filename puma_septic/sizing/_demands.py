@@ -173,9 +173,10 @@ class Demands:
     def inertia_ratio(self) -> Peak:
         """Largest inertia of load and gears at the motor over the rotor's, its brake's with it.
 
-        So the makers of motors count, as Yaskawa, Sigma-V manual E-V-MD, p. 2-5: ``J_L = J_L1 + J_B + J_G``.
+        So the makers of motors count, as Yaskawa, Sigma-V manual E-V-MD, p. 2-5: ``J_L = J_L1 + J_B + J_G``. An unknown
+        inertia of the brake counts as 0, as in the torque: the ratio is then no smaller than the true one.
         """
-        rotor = self.train.motor.rotor_inertia + self.train.brake_inertia
+        rotor = self.train.motor.rotor_inertia + float(np.nan_to_num(self.train.brake_inertia))
         if not rotor > 0:
             return _UNKNOWN
         found = self.load.inertia.extrema()

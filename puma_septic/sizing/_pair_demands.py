@@ -285,7 +285,7 @@ class PairDemands:
     def load_inertia_ratio(self) -> Bounds:
         """Of the load, gears included, to the rotor."""
         load = self.grid.inertia / self.table.ratio**2 + np.nan_to_num(self.table.gearbox("inertia"))
-        brake = self.table.motor("brake_inertia") if self.table.place.with_brake else 0.0
+        brake = np.nan_to_num(self.table.motor("brake_inertia")) if self.table.place.with_brake else 0.0
         with np.errstate(divide="ignore"):
             return exactly(load / (self.table.motor("rotor_inertia") + brake))
 

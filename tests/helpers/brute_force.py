@@ -86,13 +86,19 @@ def utilisations(sampled: Sampled, catalogue: ps.Catalogue, place: ps.Drivetrain
     k_t, resistance = m["torque_constant"][:, None], m["resistance"][:, None]
     peak, rms = np.abs(motor).max(axis=1), np.sqrt((motor**2).mean(axis=1))
     top, mean = np.abs(speed).max(axis=1), np.abs(speed).mean(axis=1)
+    if sampled.case.cycle.is_periodic:
+        rise, warmth = _rise(motor, catalogue, place.ambient_celsius, sampled)
+        # As warm as the winding is in the steady cycle, where that is known; else as its sheet has it.
+        excess = place.ambient_celsius - m["reference_celsius"][:, None] + warmth
+        resistance = resistance * np.where(np.isnan(warmth), 1.0, 1 + m["copper_coefficient"][:, None] * excess)
+    else:
+        rise = np.nan
     electric = motor * speed + resistance * (motor / k_t) ** 2
     moving = np.abs(v).sum() > 0
     average = (np.abs(v) * np.abs(torque) ** 3).sum() / np.abs(v).sum() if moving else np.nan
     average = average ** (1 / 3)
     largest = np.abs(torque).max()
     momentary = np.fmax(place.momentary_torque, largest if sampled.case.is_rare else np.nan)
-    rise = _rise(motor, catalogue, place.ambient_celsius, sampled) if sampled.case.cycle.is_periodic else np.nan
     limits = {
         "motor torque": (peak, m["peak_torque"]),
         "RMS motor torque at mean speed": (rms, _continuous(catalogue, mean)),
@@ -150,10 +156,13 @@ def _at_speed(catalogue: ps.Catalogue, motor: Array, speed: Array) -> Array:
     return np.array(uses)
 
 
-def _rise(motor: Array, catalogue: ps.Catalogue, ambient: float, sampled: Sampled) -> Array:
-    """Highest winding temperature of the steady cycle over ambient, by Crank-Nicolson steps; infinite: runs away."""
+def _rise(motor: Array, catalogue: ps.Catalogue, ambient: float, sampled: Sampled) -> tuple[Array, Array]:
+    """Winding temperature of the steady cycle over ambient, by Crank-Nicolson steps: the highest, and at the samples.
+
+    Infinite, and NaN at the samples, where it runs away.
+    """
     dt = sampled.case.cycle.duration / SAMPLES
-    rises = np.full(len(motor), np.nan)
+    rises, warmth = np.full(len(motor), np.nan), np.full(motor.shape, np.nan)
     for nodes in (1, 2):
         rows = [
             k
@@ -162,11 +171,11 @@ def _rise(motor: Array, catalogue: ps.Catalogue, ambient: float, sampled: Sample
         ]
         if rows:
             parts = [catalogue.motors[i] for i in catalogue.motor_index[rows].tolist()]
-            rises[rows] = _steady(motor[rows], parts, ambient, dt)
-    return rises
+            rises[rows], warmth[rows] = _steady(motor[rows], parts, ambient, dt)
+    return rises, warmth
 
 
-def _steady(motor: Array, parts: list[ps.Motor], ambient: float, dt: float) -> Array:
+def _steady(motor: Array, parts: list[ps.Motor], ambient: float, dt: float) -> tuple[Array, Array]:
     resistances = np.array([part.thermal_resistances for part in parts])
     capacities = np.array([part.thermal_time_constants for part in parts]) / resistances
     n, nodes = resistances.shape
@@ -197,10 +206,14 @@ def _steady(motor: Array, parts: list[ps.Motor], ambient: float, dt: float) -> A
     solvable = np.where(runs_away[:, None, None], 0.0, state)
     now = np.linalg.solve(identity - np.nan_to_num(solvable), offset)
     highest = now[:, 0, 0]
-    for matrix, shift in steps:
-        now = matrix @ now + shift
+    at_samples = np.empty((n, len(steps)))
+    for k, (matrix, shift) in enumerate(steps):
+        before, now = now, matrix @ now + shift
+        at_samples[:, k] = (before + now)[:, 0, 0] / 2
         highest = np.maximum(highest, now[:, 0, 0])
-    return np.where(np.isnan(state).any(axis=(1, 2)), np.nan, np.where(runs_away, np.inf, highest))
+    unknown = np.isnan(state).any(axis=(1, 2))
+    at_samples[unknown | runs_away] = np.nan
+    return np.where(unknown, np.nan, np.where(runs_away, np.inf, highest)), at_samples
 
 
 def stresses(

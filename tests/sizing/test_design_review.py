@@ -161,6 +161,17 @@ def test_a_margin_rejects_and_is_named_per_check() -> None:
         Conditions(margins={"torque": 0.1})
 
 
+def test_an_unknown_brake_does_not_lift_the_limit_of_the_inertia_ratio() -> None:
+    """With brakes at rest and sheets that leave out their inertia, no pair was held to the ratio that was asked for."""
+    asked = Conditions(max_inertia_ratio=1e-6)
+    train = ps.Drivetrain(motor=ps.Motor(rotor_inertia=1e-4), gearbox=ps.Gearbox(ratio=100.0), with_brake=True)
+    sized = ps.size(cycle(), drivetrains=[train] * 6, conditions=asked)
+    ratios = {check.joint: check for check in sized.violations if check.quantity == "load inertia over rotor inertia"}
+    assert len(ratios) == 6
+    largest = float(ps.sizing.joint_load(cycle(), 0).inertia.extrema().max[0])
+    assert ratios["joint1"].demand == pytest.approx(largest / 100.0**2 / 1e-4)
+
+
 def test_the_inertia_ratio_is_counted_as_motor_makers_do() -> None:
     """Yaskawa's example: (1.58 + 0.71) kg cm^2 over a rotor of 0.26 kg cm^2 is 8.8; with the gears at the motor 1.6."""
     train = ps.Drivetrain(

@@ -147,11 +147,13 @@ class Drivetrain:
 
     @property
     def continuous_share(self) -> float:
-        """Share of the motor's continuous torque that is left; NaN: unknown.
+        """Share of the motor's continuous torque that is left at most.
 
-        By ambient and altitude, see `Motor.continuous_share`, and by the gearbox at its flange.
+        By ambient and altitude, see `Motor.continuous_share`, and by the gearbox at its flange. What is not known takes
+        nothing off: the limit then rejects as far as it is known, and the least set lacks the derating.
         """
-        share = self.motor.continuous_share(ambient_celsius=self.ambient_celsius, altitude=self.altitude)
+        known = self.motor.continuous_share(ambient_celsius=self.ambient_celsius, altitude=self.altitude)
+        share = float(np.nan_to_num(known, nan=1.0))
         is_geared = self.ratio != 1 and not np.isnan(self.motor.geared_share)
         return share * (self.motor.geared_share if is_geared else 1.0)
 

@@ -17,11 +17,11 @@ __all__ = ["LEAST_SET", "lacking", "lacking_of_pairs", "names_of"]
 
 
 class _Need(NamedTuple):
-    """One value that must be known: whose it is, whether a part has it, and what of the whole train stands for it."""
+    """One value that must be known: whose it is, whether a part at its place has it, and what stands for it."""
 
     name: str
     part: str
-    is_known: Callable[[Any], bool]
+    is_known: Callable[[Any, Drivetrain], bool]
     stands_for_it: Callable[[Drivetrain], bool] | None = None
 
 
@@ -39,19 +39,24 @@ def _known(*values: float) -> bool:
 
 
 _NEEDS: Final = (
-    _Need("rotor inertia", "motor", lambda m: _known(m.rotor_inertia)),
-    _Need("continuous torque", "motor", lambda m: _known(m.continuous_torque) or len(m.continuous_curve) > 0),
+    _Need("rotor inertia", "motor", lambda m, _: _known(m.rotor_inertia)),
+    _Need("continuous torque", "motor", lambda m, _: _known(m.continuous_torque) or len(m.continuous_curve) > 0),
+    # Above its rated ambient or altitude less of it is left, and who does not say how much must not win by it.
     _Need(
-        "peak torque", "motor", lambda m: _known(m.peak_torque) or _has_curve(m),
+        "continuous torque at this ambient and altitude", "motor",
+        lambda m, place: _known(m.continuous_share(ambient_celsius=place.ambient_celsius, altitude=place.altitude)),
+    ),
+    _Need(
+        "peak torque", "motor", lambda m, _: _known(m.peak_torque) or _has_curve(m),
         lambda train: _known(train.max_effort),
     ),
     # A curve of peak torque ends at the highest speed.
-    _Need("highest speed", "motor", lambda m: _known(m.max_speed) or _has_curve(m)),
-    _Need("average torque", "gearbox", lambda g: _known(g.max_average_torque) or _is_direct(g)),
-    _Need("repeated peak torque", "gearbox", lambda g: _known(g.max_repeated_torque) or _is_direct(g)),
+    _Need("highest speed", "motor", lambda m, _: _known(m.max_speed) or _has_curve(m)),
+    _Need("average torque", "gearbox", lambda g, _: _known(g.max_average_torque) or _is_direct(g)),
+    _Need("repeated peak torque", "gearbox", lambda g, _: _known(g.max_repeated_torque) or _is_direct(g)),
     _Need(
         "efficiency or measured friction", "gearbox",
-        lambda g: _known(g.efficiency) or len(g.efficiency_map) > 0 or _is_direct(g),
+        lambda g, _: _known(g.efficiency) or len(g.efficiency_map) > 0 or _is_direct(g),
         lambda train: train.measured_friction is not None,
     ),
 )  # fmt: skip
@@ -85,26 +90,32 @@ def names_of(bits: int) -> tuple[str, ...]:
     return tuple(name for k, name in enumerate(LEAST_SET) if bits >> k & 1)
 
 
-def lacking_of_pairs(catalogue: Catalogue) -> NDArray[np.uint8]:
+def lacking_of_pairs(catalogue: Catalogue, place: Drivetrain) -> NDArray[np.uint8]:
     """The same of every pair of a catalogue, a bit for each member of `LEAST_SET`.
+
+    Parameters
+    ----------
+    catalogue : Catalogue
+    place : Drivetrain
+        What the joint has whatever the parts, such as its ambient.
 
     Returns
     -------
     ndarray of uint8, shape (n_pairs,)
     """
     motors, gearboxes = (
-        np.array([_part_bits(kind, part) for part in parts], dtype=np.uint8)
+        np.array([_part_bits(kind, part, place) for part in parts], dtype=np.uint8)
         for kind, parts in (("motor", catalogue.motors), ("gearbox", catalogue.gearboxes))
     )
     bits = motors[catalogue.motor_index] | gearboxes[catalogue.gearbox_index]
     for k, pair in enumerate(catalogue.pairs or ()):
         if bits[k] and (pair.friction is not None or not np.isnan(pair.max_effort)):
-            bits[k] = _bits(catalogue.drivetrain(k, 0))
+            bits[k] = _bits(catalogue.drivetrain(k, 0, (place,)))
     return np.asarray(bits)
 
 
-def _part_bits(kind: str, part: object) -> int:
-    return sum(1 << k for k, need in enumerate(_NEEDS) if need.part == kind and not need.is_known(part))
+def _part_bits(kind: str, part: object, place: Drivetrain) -> int:
+    return sum(1 << k for k, need in enumerate(_NEEDS) if need.part == kind and not need.is_known(part, place))
 
 
 def _bits(train: Drivetrain) -> int:
@@ -112,5 +123,7 @@ def _bits(train: Drivetrain) -> int:
     return sum(
         1 << k
         for k, need in enumerate(_NEEDS)
-        if not (need.is_known(parts[need.part]) or (need.stands_for_it is not None and need.stands_for_it(train)))
+        if not (
+            need.is_known(parts[need.part], train) or (need.stands_for_it is not None and need.stands_for_it(train))
+        )
     )

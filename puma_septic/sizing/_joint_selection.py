@@ -200,7 +200,7 @@ def select_joint(
         n_violated = 0
     else:
         n_violated = sum(judge.block(table, reason, lowest, highest, found) for table in judge.parts.blocks())
-    lacking, passes = lacking_of_pairs(catalogue), reason == _NONE
+    lacking, passes = lacking_of_pairs(catalogue, judge.parts.place), reason == _NONE
     decided, undecided = passes & (lacking == 0), passes & (lacking != 0)
     n_found = len(found)
     ranked = [_ranked(judge, _keys(catalogue, rank, which, lowest), keep, found) for which in (decided, undecided)]

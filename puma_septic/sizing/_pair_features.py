@@ -204,8 +204,8 @@ class PairTable:
 
     @property
     def continuous_share(self) -> Array:
-        """Share of each pair's continuous torque that is left, see `Drivetrain.continuous_share`."""
-        shares = self.parts.continuous_share[self.catalogue.motor_index[self.rows]]
+        """Share of each pair's continuous torque that is left at most, see `Drivetrain.continuous_share`."""
+        shares = np.nan_to_num(self.parts.continuous_share[self.catalogue.motor_index[self.rows]], nan=1.0)
         geared = self.motor("geared_share")
         return shares * np.where((self.ratio != 1) & ~np.isnan(geared), geared, 1.0)
 

@@ -36,7 +36,7 @@ def cycle() -> ps.Cycle:
     return ps.cycle.with_return(paper_motion(), dwell=0.5)
 
 
-def catalogue(**changes: float) -> ps.Catalogue:
+def catalogue(**changes: Any) -> ps.Catalogue:
     """One pair with full data, but for what is changed."""
     motor = {key: value for key, value in changes.items() if key in ps.Motor.__dataclass_fields__ and key != "mass"}
     gearbox = {key: value for key, value in changes.items() if key not in motor}
@@ -82,6 +82,20 @@ def test_each_of_the_least_set_decides(name: str, missing: str) -> None:
     assert joint.undecided[0].lacking == (missing,)
     assert joint.unknowns == {missing: 1}
     assert joint.why("M", "G") == f"M with G is not decidable: {missing} unknown; every known limit is kept"
+
+
+@pytest.mark.parametrize("asked", [Conditions(ambient_celsius=55.0), Conditions(altitude=3000.0)])
+def test_an_unknown_derating_does_not_lift_the_continuous_torque(asked: Conditions) -> None:
+    """In the heat or up high, a motor whose sheet has no derating was held to no continuous torque, and won."""
+    missing = "continuous torque at this ambient and altitude of the motor"
+    unsaid = catalogue(max_winding_celsius=np.nan)
+    joint = ps.size(cycle(), catalogue=unsaid, conditions=asked).joint("joint1")
+    assert joint.undecided[0].lacking == (missing,)
+    assert joint.best is None
+    weak = catalogue(max_winding_celsius=np.nan, continuous_torque=0.001)
+    joint = ps.size(cycle(), catalogue=weak, conditions=asked).joint("joint1")
+    assert joint.rejections == {"RMS motor torque at mean speed": 1}
+    assert ps.size(cycle(), catalogue=unsaid).joint("joint1").best is not None
 
 
 def test_a_known_limit_rejects_whatever_else_is_unknown() -> None:
@@ -209,7 +223,8 @@ def test_altitude_and_the_shared_supply_are_conditions_of_a_task() -> None:
     resolved = resolve_task(make_task(text))
     asked = ps.sizing.conditions_of(resolved.task.conditions)
     assert float(np.asarray(asked.altitude)) == 2000.0
-    found = ps.size(ps.sizing.load_cases_of(resolved), catalogue=catalogue(), conditions=asked)
+    derated = catalogue(altitude_curve=[[1000.0, 1.0], [3000.0, 0.8]])
+    found = ps.size(ps.sizing.load_cases_of(resolved), catalogue=derated, conditions=asked)
     assert all(one.best is not None for one in found.joints)
     assert not found.is_feasible
     assert found.verdict.startswith("a pair that is strong enough for every joint, but together: supply ")

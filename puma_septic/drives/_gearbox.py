@@ -40,6 +40,11 @@ _LOSSES: Final = ("efficiency", "backward_efficiency", "no_load_torque")
 GEARBOX_UNITS: Final = _POSITIVE_UNITS | _NOT_NEGATIVE_UNITS
 
 
+_HOUR: Final = 3600.0
+# Beckhoff, AG2400 operating instructions (infosys.beckhoff.com): T_2B at "maximum 1000 cycles per hour".
+_PLANETARY_CYCLES: Final = 1e3
+
+
 @final
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Gearbox:
@@ -233,6 +238,29 @@ class Gearbox:
         ends = np.concatenate([[0.0], self.stiffness_torques, [np.inf]])
         parts = np.clip(abs(torque), ends[:-1], ends[1:]) - ends[:-1]
         return float(np.sign(torque) * (parts / self.stiffness).sum())
+
+    def impact_factor(self, cycle: float) -> float:
+        """What the peaks of each cycle count by, more than once, where many come in an hour; NaN: not known.
+
+        Of planetary gears alone: their peak torque is stated for at most 1000 cycles per hour, beyond which "the impact
+        factor must be taken into account" (WITTENSTEIN, engineering glossary, T2B).
+
+        Parameters
+        ----------
+        cycle : float
+            Duration of a cycle, s.
+
+        Returns
+        -------
+        float
+        """
+        if self.kind != "planetary":
+            return 1.0
+        rate = _HOUR / cycle
+        if len(self.impact_curve):
+            rates, factors = self.impact_curve.T
+            return float(np.interp(rate, rates, factors, left=factors[0], right=np.nan))
+        return 1.0 if rate <= _PLANETARY_CYCLES else np.nan
 
     def __repr__(self) -> str:
         return one_line("Gearbox", self._facts())

@@ -17,11 +17,11 @@ __all__ = ["LEAST_SET", "lacking", "lacking_of_pairs", "names_of"]
 
 
 class _Need(NamedTuple):
-    """One value that must be known: whose it is, whether a part at its place has it, and what stands for it."""
+    """One value that must be known: whose it is, whether a part at its place and cycle has it, what stands for it."""
 
     name: str
     part: str
-    is_known: Callable[[Any, Drivetrain], bool]
+    is_known: Callable[[Any, Drivetrain, float], bool]
     stands_for_it: Callable[[Drivetrain], bool] | None = None
 
 
@@ -39,24 +39,26 @@ def _known(*values: float) -> bool:
 
 
 _NEEDS: Final = (
-    _Need("rotor inertia", "motor", lambda m, _: _known(m.rotor_inertia)),
-    _Need("continuous torque", "motor", lambda m, _: _known(m.continuous_torque) or len(m.continuous_curve) > 0),
+    _Need("rotor inertia", "motor", lambda m, *_: _known(m.rotor_inertia)),
+    _Need("continuous torque", "motor", lambda m, *_: _known(m.continuous_torque) or len(m.continuous_curve) > 0),
     # Above its rated ambient or altitude less of it is left, and who does not say how much must not win by it.
     _Need(
         "continuous torque at this ambient and altitude", "motor",
-        lambda m, place: _known(m.continuous_share(ambient_celsius=place.ambient_celsius, altitude=place.altitude)),
+        lambda m, place, _: _known(m.continuous_share(ambient_celsius=place.ambient_celsius, altitude=place.altitude)),
     ),
     _Need(
-        "peak torque", "motor", lambda m, _: _known(m.peak_torque) or _has_curve(m),
+        "peak torque", "motor", lambda m, *_: _known(m.peak_torque) or _has_curve(m),
         lambda train: _known(train.max_effort),
     ),
     # A curve of peak torque ends at the highest speed.
-    _Need("highest speed", "motor", lambda m, _: _known(m.max_speed) or _has_curve(m)),
-    _Need("average torque", "gearbox", lambda g, _: _known(g.max_average_torque) or _is_direct(g)),
-    _Need("repeated peak torque", "gearbox", lambda g, _: _known(g.max_repeated_torque) or _is_direct(g)),
+    _Need("highest speed", "motor", lambda m, *_: _known(m.max_speed) or _has_curve(m)),
+    _Need("average torque", "gearbox", lambda g, *_: _known(g.max_average_torque) or _is_direct(g)),
+    _Need("repeated peak torque", "gearbox", lambda g, *_: _known(g.max_repeated_torque) or _is_direct(g)),
+    # Beyond 1000 cycles an hour the peaks of a planetary gear count more than once.
+    _Need("peak torque at this cycle rate", "gearbox", lambda g, _, cycle: _known(g.impact_factor(cycle))),
     _Need(
         "efficiency or measured friction", "gearbox",
-        lambda g, _: _known(g.efficiency) or len(g.efficiency_map) > 0 or _is_direct(g),
+        lambda g, *_: _known(g.efficiency) or len(g.efficiency_map) > 0 or _is_direct(g),
         lambda train: train.measured_friction is not None,
     ),
 )  # fmt: skip
@@ -64,8 +66,14 @@ LEAST_SET: Final = tuple(f"{need.name} of the {need.part}" for need in _NEEDS)
 """The least that must be known of a pair: without one of these it is not decidable, unless a known limit rejects it."""
 
 
-def lacking(train: Drivetrain) -> tuple[str, ...]:
+def lacking(train: Drivetrain, *, cycle: float = np.inf) -> tuple[str, ...]:
     """What of `LEAST_SET` is not known of a drive train.
+
+    Parameters
+    ----------
+    train : Drivetrain
+    cycle : float
+        Duration of the shortest cycle, s.
 
     Returns
     -------
@@ -77,7 +85,7 @@ def lacking(train: Drivetrain) -> tuple[str, ...]:
     >>> lacking(Drivetrain(motor=Motor(rotor_inertia=1e-4, peak_torque=1.0), gearbox=Gearbox(ratio=1.0)))
     ('continuous torque of the motor', 'highest speed of the motor')
     """
-    return names_of(_bits(train))
+    return names_of(_bits(train, cycle))
 
 
 def names_of(bits: int) -> tuple[str, ...]:
@@ -90,7 +98,7 @@ def names_of(bits: int) -> tuple[str, ...]:
     return tuple(name for k, name in enumerate(LEAST_SET) if bits >> k & 1)
 
 
-def lacking_of_pairs(catalogue: Catalogue, place: Drivetrain) -> NDArray[np.uint8]:
+def lacking_of_pairs(catalogue: Catalogue, place: Drivetrain, *, cycle: float) -> NDArray[np.uint16]:
     """The same of every pair of a catalogue, a bit for each member of `LEAST_SET`.
 
     Parameters
@@ -98,32 +106,35 @@ def lacking_of_pairs(catalogue: Catalogue, place: Drivetrain) -> NDArray[np.uint
     catalogue : Catalogue
     place : Drivetrain
         What the joint has whatever the parts, such as its ambient.
+    cycle : float
+        Duration of the shortest cycle, s.
 
     Returns
     -------
-    ndarray of uint8, shape (n_pairs,)
+    ndarray of uint16, shape (n_pairs,)
     """
     motors, gearboxes = (
-        np.array([_part_bits(kind, part, place) for part in parts], dtype=np.uint8)
+        np.array([_part_bits(kind, part, place, cycle) for part in parts], dtype=np.uint16)
         for kind, parts in (("motor", catalogue.motors), ("gearbox", catalogue.gearboxes))
     )
     bits = motors[catalogue.motor_index] | gearboxes[catalogue.gearbox_index]
     for k, pair in enumerate(catalogue.pairs or ()):
         if bits[k] and (pair.friction is not None or not np.isnan(pair.max_effort)):
-            bits[k] = _bits(catalogue.drivetrain(k, 0, (place,)))
+            bits[k] = _bits(catalogue.drivetrain(k, 0, (place,)), cycle)
     return np.asarray(bits)
 
 
-def _part_bits(kind: str, part: object, place: Drivetrain) -> int:
-    return sum(1 << k for k, need in enumerate(_NEEDS) if need.part == kind and not need.is_known(part, place))
+def _part_bits(kind: str, part: object, place: Drivetrain, cycle: float) -> int:
+    return sum(1 << k for k, need in enumerate(_NEEDS) if need.part == kind and not need.is_known(part, place, cycle))
 
 
-def _bits(train: Drivetrain) -> int:
+def _bits(train: Drivetrain, cycle: float) -> int:
     parts = {"motor": train.motor, "gearbox": train.gearbox}
     return sum(
         1 << k
         for k, need in enumerate(_NEEDS)
         if not (
-            need.is_known(parts[need.part], train) or (need.stands_for_it is not None and need.stands_for_it(train))
+            need.is_known(parts[need.part], train, cycle)
+            or (need.stands_for_it is not None and need.stands_for_it(train))
         )
     )

@@ -11,7 +11,7 @@ from puma_septic.drives import Drivetrain, lacking
 from puma_septic.limit_check import LimitCheck, most_used_first
 from puma_septic.sizing._conditions import Conditions
 from puma_septic.sizing._demands import Demands
-from puma_septic.sizing._load_cases import JointCase, life_of_mix, outcomes_of_cases
+from puma_septic.sizing._load_cases import JointCase, life_of_mix, outcomes_of_cases, shortest_cycle
 from puma_septic.sizing._load_features import LoadGrid
 from puma_septic.sizing._ratios import LoadMoments, RatioWindow, ratio_window
 
@@ -92,7 +92,7 @@ def assessed(cases: tuple[JointCase, ...], train: Drivetrain, conditions: Condit
         mass=train.motor.mass + train.gearbox.mass,
         cost=train.motor.cost + train.gearbox.cost,
         life_hours=life_of_mix(cases, every),
-        lacking=lacking(train),
+        lacking=lacking(train, cycle=shortest_cycle(cases)),
         window=_common(windows),
     )
 

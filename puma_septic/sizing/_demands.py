@@ -20,7 +20,6 @@ from puma_septic.sizing._gearbox import (
     allowed_rare_peaks,
     average_load_torque,
     expected_life,
-    impact_factor,
     lives,
 )
 from puma_septic.sizing._loads import JointLoad, MotorLoad
@@ -76,9 +75,9 @@ class Demands:
 
     @property
     def repeated_torque(self) -> Peak:
-        """Peak at the gearbox's output as it counts where many come in an hour, N m, see `impact_factor`."""
+        """Peak at the gearbox's output as it counts where many come in an hour, N m, see `Gearbox.impact_factor`."""
         peak = self.peak_load_torque
-        return Peak(peak.size * impact_factor(self.train.gearbox, self.load.duration), peak.time)
+        return Peak(peak.size * self.train.gearbox.impact_factor(self.load.duration), peak.time)
 
     @property
     def why_no_repeated_torque(self) -> str:

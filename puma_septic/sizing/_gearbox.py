@@ -23,17 +23,14 @@ __all__ = [
     "average_load_torque",
     "average_torque",
     "expected_life",
-    "impact_factor",
     "lives",
 ]
 
 _WHOLE: Final = 3.0  # the exponent for which the mean is an integral of series
-_HOUR: Final = 3600.0
 _MOMENTARY_PEAKS: Final = 1e4  # Harmonic Drive, engineering data HFUS-2A, p. 19
 # Beckhoff, AG2400 operating instructions, data of TP010 to TP500 (infosys.beckhoff.com): "possible 1000 times during
-# the service life", and T_2B at "maximum 1000 cycles per hour".
+# the service life".
 _PLANETARY_STOPS: Final = 1e3
-_PLANETARY_CYCLES: Final = 1e3
 _HARMONIC: Final = "Harmonic Drive: engineering data HFUS-2A, p. 19"
 _HARMONIC_LIFE: Final = "Harmonic Drive: engineering data CSD-2A, p. 20"
 _BECKHOFF: Final = "Beckhoff: AG2400 operating instructions"
@@ -206,31 +203,6 @@ def lives(gearbox: Gearbox, life: float) -> tuple[float, float]:
     if gearbox.life_basis == "L50":
         return life / many, life
     return (life, life * many) if gearbox.life_basis == "L10" else (np.nan, np.nan)
-
-
-def impact_factor(gearbox: Gearbox, cycle: float) -> float:
-    """What the peaks of each cycle count by, more than once, where many come in an hour; NaN: not known.
-
-    Of planetary gears alone: their peak torque is stated for at most 1000 cycles per hour, beyond which "the impact
-    factor must be taken into account" (WITTENSTEIN, engineering glossary, T2B).
-
-    Parameters
-    ----------
-    gearbox : Gearbox
-    cycle : float
-        Duration of a cycle, s.
-
-    Returns
-    -------
-    float
-    """
-    if gearbox.kind != "planetary":
-        return 1.0
-    rate = _HOUR / cycle
-    if len(gearbox.impact_curve):
-        rates, factors = gearbox.impact_curve.T
-        return float(np.interp(rate, rates, factors, left=factors[0], right=np.nan))
-    return 1.0 if rate <= _PLANETARY_CYCLES else np.nan
 
 
 def allowed_rare_peaks(gearbox: Gearbox, *, input_speed: float, duration: float) -> float:

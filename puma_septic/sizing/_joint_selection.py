@@ -18,7 +18,7 @@ from puma_septic.sizing._bounds import expected_lives
 from puma_septic.sizing._candidates import Candidate, assessed
 from puma_septic.sizing._checks import DRIVE_LIMITS, utilisation_bounds
 from puma_septic.sizing._conditions import Conditions
-from puma_septic.sizing._load_cases import LIFE, JointCase, shared_life, with_brakes
+from puma_septic.sizing._load_cases import LIFE, JointCase, shared_life, shortest_cycle, with_brakes
 from puma_septic.sizing._load_features import LoadGrid, merged_peaks
 from puma_septic.sizing._pair_demands import PairDemands, PeakBounds
 from puma_septic.sizing._pair_features import PairParts, PairTable, pair_parts
@@ -71,7 +71,7 @@ class JointSelection:
     conditions: Conditions
     places: tuple[Drivetrain, ...] | None
     joint_index: int
-    _lacking: NDArray[np.uint8] = field(repr=False)
+    _lacking: NDArray[np.uint16] = field(repr=False)
     _highest: Array = field(repr=False)
     _reason: NDArray[np.int32] = field(repr=False)
     _reason_names: tuple[str, ...] = field(repr=False)
@@ -200,7 +200,7 @@ def select_joint(
         n_violated = 0
     else:
         n_violated = sum(judge.block(table, reason, lowest, highest, found) for table in judge.parts.blocks())
-    lacking, passes = lacking_of_pairs(catalogue, judge.parts.place), reason == _NONE
+    lacking, passes = lacking_of_pairs(catalogue, judge.parts.place, cycle=shortest_cycle(ordered)), reason == _NONE
     decided, undecided = passes & (lacking == 0), passes & (lacking != 0)
     n_found = len(found)
     ranked = [_ranked(judge, _keys(catalogue, rank, which, lowest), keep, found) for which in (decided, undecided)]

@@ -29,6 +29,7 @@ __all__ = [
     "life_of_mix",
     "outcomes_of_cases",
     "shared_life",
+    "shortest_cycle",
     "with_brakes",
     "worst_outcome",
 ]
@@ -192,6 +193,11 @@ def joint_cases(cases: tuple[LoadCase, ...], j: int) -> tuple[JointCase, ...]:
         for case in cases
         if not case.joints or case.cycle.joint_names[j] in case.joints
     )
+
+
+def shortest_cycle(cases: Iterable[JointCase]) -> float:
+    """Duration of the shortest cycle that is repeated, s; infinite where none is."""
+    return min((case.load.duration for case in cases if case.only is None and case.share), default=np.inf)
 
 
 def shared_life(lives: Array, shares: Array) -> Array:

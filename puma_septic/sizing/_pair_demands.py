@@ -32,7 +32,6 @@ from puma_septic.sizing._bounds import (
 from puma_septic.sizing._brake import holding_torque
 from puma_septic.sizing._gearbox import (
     allowed_rare_peaks,
-    impact_factor,
 )
 from puma_septic.sizing._load_features import LoadGrid
 from puma_septic.sizing._pair_features import PairTable
@@ -268,7 +267,7 @@ class PairDemands:
     def repeated_torque(self) -> Bounds:
         """At the gearbox's output."""
         gearboxes, cycle = self.table.catalogue.gearboxes, self.grid.load.duration
-        factors = np.array([impact_factor(gearbox, cycle) for gearbox in gearboxes])
+        factors = np.array([gearbox.impact_factor(cycle) for gearbox in gearboxes])
         return exactly(self.grid.peak_torque * factors[self.table.gearbox_index])
 
     @property

@@ -216,8 +216,9 @@ class Sizing:
     @property
     def lacking(self) -> dict[str, tuple[str, ...]]:
         """What of the least set (`LEAST_SET`) is not known, by joint; empty where all is."""
-        names = zip(self.cycle.joint_names, self.drivetrains, strict=True)
-        return {name: missing for name, train in names if (missing := lacking(train))}
+        repeated = (case.cycle.duration for case in self.load_cases if case.share and not case.is_rare)
+        cycle, names = min(repeated, default=np.inf), zip(self.cycle.joint_names, self.drivetrains, strict=True)
+        return {name: missing for name, train in names if (missing := lacking(train, cycle=cycle))}
 
     @property
     def verdict(self) -> str:

@@ -11,7 +11,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 import puma_septic as ps
 from puma_septic.sizing._gear_losses import gear_loss
-from puma_septic.sizing._gearbox import RULES, allowed_rare_peaks, impact_factor, lives
+from puma_septic.sizing._gearbox import RULES, allowed_rare_peaks, lives
 
 # A sum over two hundred thousand samples.
 SAMPLED = 1e-6
@@ -87,13 +87,13 @@ def test_the_published_life_of_a_strain_wave_gear_in_both_measures() -> None:
 def test_a_planetary_gear_s_peaks_count_by_their_number_in_an_hour() -> None:
     """Beckhoff TP010 (AG2400 manual): T_2B 172 N m at most 1000 times an hour; beyond, by the impact factor."""
     gearbox = ps.Gearbox(ratio=5.0, kind="planetary", max_repeated_torque=172.0)
-    assert impact_factor(gearbox, 3.6) == 1.0
-    assert np.isnan(impact_factor(gearbox, 3.5))
+    assert gearbox.impact_factor(3.6) == 1.0
+    assert np.isnan(gearbox.impact_factor(3.5))
     curve = ps.Gearbox(ratio=5.0, kind="planetary", impact_curve=[[1000, 1.0], [2000, 1.2], [3000, 1.6]])
-    assert impact_factor(curve, 3600 / 2500) == pytest.approx(1.4, rel=1e-12)
-    assert impact_factor(curve, 10.0) == 1.0
-    assert np.isnan(impact_factor(curve, 1.0))
-    assert impact_factor(ps.Gearbox(ratio=5.0, kind="strain wave"), 1.0) == 1.0
+    assert curve.impact_factor(3600 / 2500) == pytest.approx(1.4, rel=1e-12)
+    assert curve.impact_factor(10.0) == 1.0
+    assert np.isnan(curve.impact_factor(1.0))
+    assert ps.Gearbox(ratio=5.0, kind="strain wave").impact_factor(1.0) == 1.0
 
 
 def test_quick_cycles_of_a_planetary_gear_without_an_impact_factor_are_not_assessed() -> None:
@@ -106,6 +106,13 @@ def test_quick_cycles_of_a_planetary_gear_without_an_impact_factor_are_not_asses
         names = [check.quantity for check in sizing.checks]
         assert ("gearbox repeated peak torque" in names) == is_made
         assert any("1800 cycles per hour are more than 1000" in line for line in sizing.not_assessed) != is_made
+        assert ("peak torque at this cycle rate of the gearbox" in sizing.lacking["joint1"]) != is_made
+        # In a catalogue it does not win by what its sheet leaves out.
+        motor = ps.Motor(name="M", rotor_inertia=1e-5, continuous_torque=9.0, peak_torque=9.0, max_speed=900.0)
+        known = gearbox | {"name": "G", "max_average_torque": 1e3, "efficiency": 0.9}
+        catalogue = ps.Catalogue(motors=[motor], gearboxes=[ps.Gearbox(**known, impact_curve=curve)])  # type: ignore[arg-type]
+        joint = ps.size(quick, catalogue=catalogue).joint("joint2")
+        assert (joint.best is not None, bool(joint.is_undecided[0])) == (is_made, not is_made)
 
 
 def test_emergency_stops_by_kind_of_gear() -> None:

@@ -12,7 +12,18 @@ from math import inf, isinf, isnan, nan
 from types import MappingProxyType
 from typing import Any, Final
 
-__all__ = ["SCHEMAS", "card", "csv_text", "frame", "known", "numeric", "one_line", "plain", "records_csv", "to_json"]
+__all__ = [
+    "SCHEMAS",
+    "card",
+    "csv_text",
+    "frame",
+    "known",
+    "numeric",
+    "one_line",
+    "plain",
+    "records_csv",
+    "to_json",
+]
 
 SCHEMAS: Final = MappingProxyType(
     {

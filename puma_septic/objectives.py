@@ -20,7 +20,14 @@ from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_choice
 
-__all__ = ["OBJECTIVES", "Candidate", "Objective", "checked_objectives", "interval_extremes", "non_dominated"]
+__all__ = [
+    "OBJECTIVES",
+    "Candidate",
+    "Objective",
+    "checked_objectives",
+    "interval_extremes",
+    "non_dominated",
+]
 
 # A difference below this part is rounding: values of motions that are equal but for rounding do not beat each other.
 _EQUAL = 1e-9

@@ -10,7 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from puma_septic.errors import InputError, did_you_mean
 
-__all__ = ["Array", "checked_array", "checked_choice", "checked_number", "checked_times", "read_only"]
+__all__ = [
+    "Array",
+    "checked_array",
+    "checked_choice",
+    "checked_number",
+    "checked_times",
+    "read_only",
+]
 
 Array = NDArray[np.float64]
 

@@ -3,8 +3,7 @@
 from puma_septic.assessment._assessment import Assessment, assess
 from puma_septic.assessment._joints import impulses
 from puma_septic.assessment._limits import limit_checks, unknown_values
-from puma_septic.assessment._lowest import LowestPoint, height_series
-from puma_septic.assessment._tool import SingularityReport, ToolMetrics
+from puma_septic.assessment._tool import LowestPoint, SingularityReport, ToolMetrics, height_series
 from puma_septic.limit_check import LimitCheck
 
 __all__ = [

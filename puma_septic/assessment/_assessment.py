@@ -8,11 +8,9 @@ from typing import Any, final
 
 import numpy as np
 
-from puma_septic.assessment._doubts import unit_doubts
 from puma_septic.assessment._joints import PowerMetrics, coulomb_steps, derivative_peak, joint_metrics, power_metrics
-from puma_septic.assessment._limits import limit_checks, unknown_values
-from puma_septic.assessment._lowest import LowestPoint, lowest_point
-from puma_septic.assessment._tool import ToolMetrics, tool_metrics
+from puma_septic.assessment._limits import limit_checks, unit_doubts, unknown_values
+from puma_septic.assessment._tool import LowestPoint, ToolMetrics, lowest_point, tool_metrics
 from puma_septic.doctor import doubts
 from puma_septic.document import SCHEMAS, frame, one_line, plain
 from puma_septic.errors import InputError

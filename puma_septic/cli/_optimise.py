@@ -182,7 +182,7 @@ def _records(document: dict[str, Any]) -> list[dict[str, Any]]:
 def _write_folder(arguments: Namespace, result: Result, document: str, resolved: ResolvedTask) -> None:
     """Report, document and figure."""
     # matplotlib takes longer to load than most optimisations take.
-    from puma_septic.pictures.front import optimisation_picture
+    from puma_septic.pictures.comparison import optimisation_picture
     from puma_septic.report import new_folder
     from puma_septic.report.figures import write_png
     from puma_septic.report.page import optimised_html

@@ -7,8 +7,8 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
+from puma_septic.comparison._advice import make_profiles
 from puma_septic.comparison._comparison import ComparedProfile, Comparison
-from puma_septic.comparison._suitability import make_profiles
 from puma_septic.errors import InputError
 from puma_septic.objectives import Candidate, checked_objectives
 from puma_septic.robot import Robot

@@ -1,4 +1,4 @@
-"""What moves: masses, centres of mass, inertias and distances that no arm has, or hardly any."""
+"""What moves: masses, centres of mass, inertias and distances that no arm has, or hardly any; masses against meshes."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ import numpy as np
 import pinocchio as pin
 
 from puma_septic.doctor._finding import Finding, Severity
+from puma_septic.errors import ModelError
 from puma_septic.robot import Robot
 from puma_septic.validation import Array
 
-__all__ = ["Body", "bodies", "body_findings"]
+__all__ = ["body_findings", "mesh_findings"]
 
 # Relative; below it a sum of two moments that misses the third is rounding of printed digits (issue 10).
 _TRIANGLE: Final = 1e-3
@@ -32,7 +33,7 @@ _FAR, _FAR_RATIO = 5.0, 50.0
 
 @final
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class Body:
+class _Body:
     """All that one joint moves alone.
 
     Attributes
@@ -78,13 +79,13 @@ class Body:
         return self.axial_moment if self.is_first else float(self.moments[2])
 
 
-def bodies(robot: Robot) -> tuple[Body, ...]:
+def _bodies(robot: Robot) -> tuple[_Body, ...]:
     """The moving bodies in the order of the model, without payload."""
     model = robot.bare_model
     return tuple(_body(model, k) for k in range(1, model.njoints))
 
 
-def _body(model: Any, k: int) -> Body:
+def _body(model: Any, k: int) -> _Body:
     inertia = model.inertias[k]
     children = [model.jointPlacements[c].translation for c in range(1, model.njoints) if model.parents[c] == k]
     frames = [f for f in model.frames if f.parentJoint == k and f.type != pin.FrameType.JOINT]
@@ -95,7 +96,7 @@ def _body(model: Any, k: int) -> Body:
     model.joints[k].calc(data, pin.neutral(model))
     axis = np.ravel(data.S)[3:]
     size = max((float(np.linalg.norm(place)) for place in places), default=0.0)
-    return Body(
+    return _Body(
         joint=model.names[k],
         link=links[0] if links else model.names[k],
         mass=float(inertia.mass),
@@ -112,7 +113,7 @@ def _body(model: Any, k: int) -> Body:
 
 def body_findings(robot: Robot) -> Iterator[Finding]:
     """What is odd in the masses, inertias and distances of the moving bodies."""
-    parts = bodies(robot)
+    parts = _bodies(robot)
     heavy = [body for body in parts if body.mass > 0]
     yield from _missing(robot, parts)
     yield from _impossible(robot, heavy)
@@ -122,7 +123,7 @@ def body_findings(robot: Robot) -> Iterator[Finding]:
     yield from _distances(parts, heavy)
 
 
-def _missing(robot: Robot, parts: Sequence[Body]) -> Iterator[Finding]:
+def _missing(robot: Robot, parts: Sequence[_Body]) -> Iterator[Finding]:
     empty = [body.link for body in parts if body.mass == 0 and not body.tensor.any()]
     if empty:
         joints = f"; no torque beyond joint {', '.join(robot.missing_inertia)}" if robot.missing_inertia else ""
@@ -134,7 +135,7 @@ def _missing(robot: Robot, parts: Sequence[Body]) -> Iterator[Finding]:
         )
 
 
-def _impossible(robot: Robot, heavy: Sequence[Body]) -> Iterator[Finding]:
+def _impossible(robot: Robot, heavy: Sequence[_Body]) -> Iterator[Finding]:
     """Negative moments, and moments above the sum of the other two; of the first body only what counts.
 
     An inertia that is not used at all is known by the reason alone.
@@ -148,7 +149,7 @@ def _impossible(robot: Robot, heavy: Sequence[Body]) -> Iterator[Finding]:
     yield from _each("inertia_impossible", "impossible", "principal moments that no body has", wrong)
 
 
-def _gyration(parts: Sequence[Body], heavy: Sequence[Body]) -> Iterator[Finding]:
+def _gyration(parts: Sequence[_Body], heavy: Sequence[_Body]) -> Iterator[Finding]:
     reach = _reach(parts)
     large, small = [], []
     for body in heavy:
@@ -165,7 +166,7 @@ def _gyration(parts: Sequence[Body], heavy: Sequence[Body]) -> Iterator[Finding]
     yield from _each("inertia_small", "doubtful", "radius of gyration too small, as of a point mass", small)
 
 
-def _alike(heavy: Sequence[Body]) -> Iterator[Finding]:
+def _alike(heavy: Sequence[_Body]) -> Iterator[Finding]:
     """Three bodies or more, and all but two, with one mass, or one tensor, to all digits.
 
     What is fixed to a link, such as a hand to the last one, is a part of its body: so all but two.
@@ -183,7 +184,7 @@ def _alike(heavy: Sequence[Body]) -> Iterator[Finding]:
             yield Finding(code=code, severity="doubtful", parts=links, message=message)
 
 
-def _outliers(robot: Robot, heavy: Sequence[Body]) -> Iterator[Finding]:
+def _outliers(robot: Robot, heavy: Sequence[_Body]) -> Iterator[Finding]:
     model = robot.bare_model
     found, by_joint = [], {body.joint: body for body in heavy}
     for body in heavy:
@@ -196,7 +197,7 @@ def _outliers(robot: Robot, heavy: Sequence[Body]) -> Iterator[Finding]:
     yield from _each("mass_outlier", "doubtful", "mass unlike its neighbours'", found)
 
 
-def _distances(parts: Sequence[Body], heavy: Sequence[Body]) -> Iterator[Finding]:
+def _distances(parts: Sequence[_Body], heavy: Sequence[_Body]) -> Iterator[Finding]:
     reach = _reach(parts)
     mass = sum(body.mass for body in heavy)
     if heavy and mass < _LEAST_MASS * reach:
@@ -218,7 +219,7 @@ def _distances(parts: Sequence[Body], heavy: Sequence[Body]) -> Iterator[Finding
     yield from _each("distance_large", "doubtful", "distance from the joint before (millimetres?)", wide)
 
 
-def _reach(parts: Sequence[Body]) -> float:
+def _reach(parts: Sequence[_Body]) -> float:
     """Sum of the distances that are not out of all proportion, m: a size for what has none."""
     distances = np.array([*(body.distance for body in parts), *(body.size for body in parts if body.size)])
     return float(distances[distances <= _FAR].sum()) / 2 if len(distances) else 0.0
@@ -233,3 +234,57 @@ def _each(code: str, severity: Severity, what: str, found: Sequence[tuple[str, s
             parts=tuple(part for part, _ in found),
             message=f"{what}: {'; '.join(f'{part} {text}' for part, text in found)}",
         )
+
+
+# kg per m^3 of the convex hull, which is no smaller than the body: lead has 11,340, and a hollow cover some 50.
+_DENSEST, _LIGHTEST = 11_340.0, 30.0
+
+
+def mesh_findings(robot: Robot) -> Iterator[Finding]:
+    """Mean densities that no link has, and meshes that are not there; reads the meshes."""
+    if robot.missing_meshes:
+        yield Finding(
+            code="no_mesh",
+            severity="missing",
+            parts=tuple(text.partition("'")[2].partition("'")[0] for text in robot.missing_meshes),
+            message=f"not found, so not drawn: {'; '.join(robot.missing_meshes)}",
+        )
+    volumes = _hull_volumes(robot)
+    found = []
+    for body in _bodies(robot):
+        volume = volumes.get(body.joint, 0.0)
+        if body.mass > 0 and volume > 0 and not _LIGHTEST <= body.mass / volume <= _DENSEST:
+            text = f"{body.mass:.4g} kg in {1e3 * volume:.3g} l, {body.mass / volume:.3g} kg/m^3"
+            found.append((body.link, text))
+    if found:
+        yield Finding(
+            code="density",
+            severity="doubtful",
+            parts=tuple(link for link, _ in found),
+            message="mass against the hull of the link's meshes: "
+            + "; ".join(f"{link} {text}" for link, text in found),
+        )
+
+
+def _hull_volumes(robot: Robot) -> dict[str, float]:
+    """m^3 of the convex hulls of all drawn meshes by joint; empty where the meshes cannot be read."""
+    try:
+        shapes = robot.visual_model.geometryObjects
+    except ModelError:
+        return {}
+    volumes: dict[str, float] = {}
+    for shape in shapes:
+        vertices = getattr(shape.geometry, "vertices", None)
+        if vertices is not None and shape.parentJoint:
+            name = robot.bare_model.names[shape.parentJoint]
+            volumes[name] = volumes.get(name, 0.0) + _hull_volume(vertices())  # scaled already
+    return volumes
+
+
+def _hull_volume(points: Any) -> float:
+    from scipy.spatial import ConvexHull, QhullError  # takes a fifth of a second, which no assessment needs
+
+    try:
+        return float(ConvexHull(np.asarray(points)).volume)
+    except QhullError:  # flat, or fewer than four points
+        return 0.0

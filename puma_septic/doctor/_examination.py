@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, final
 
-from puma_septic.doctor._bodies import body_findings
+from puma_septic.doctor._bodies import body_findings, mesh_findings
 from puma_septic.doctor._finding import ANSWERS, Finding
 from puma_septic.doctor._limits import limit_findings
-from puma_septic.doctor._meshes import mesh_findings
 from puma_septic.document import SCHEMAS
 from puma_septic.robot import Robot
 from puma_septic.views import doctor as view

@@ -1,9 +1,8 @@
 """May this planned trajectory go to the robot: a verdict with reasons, and the least stretch that makes it hold."""
 
 from puma_septic.gate._checking import START_TOLERANCE, TrajectoryCheck, check_trajectory
-from puma_septic.gate._fixing import Fixed, fixed
 from puma_septic.gate._reasons import ALLOWABLE, REASON_CODES, VERDICTS, Reason, checked_allowances
-from puma_septic.gate._stretching import Stretch, least_stretch
+from puma_septic.gate._stretching import Fixed, Stretch, fixed, least_stretch
 
 __all__ = [
     "ALLOWABLE",

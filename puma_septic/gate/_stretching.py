@@ -1,18 +1,22 @@
-"""The least uniform stretch of time by which a planned trajectory keeps its limits."""
+"""The least uniform stretch of time by which a planned trajectory keeps its limits, and the message that it becomes."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import final
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Final, final
 
 from puma_septic.assessment import Assessment, LimitCheck
+from puma_septic.dynamics import check_inertia
 from puma_septic.errors import NoSolution
+from puma_septic.gate._checking import TrajectoryCheck, check_trajectory
 from puma_septic.limits import assessed_at, feasible_rates
 from puma_septic.motion import compute_motion
 from puma_septic.robot import Robot
+from puma_septic.ros import JointTrajectoryMessage, PlannedTrajectory, interpolated
 from puma_septic.trajectory import Trajectory
 
-__all__ = ["Stretch", "least_stretch"]
+__all__ = ["Fixed", "Stretch", "fixed", "least_stretch"]
 
 
 @final
@@ -89,3 +93,78 @@ def least_stretch(robot: Robot, trajectory: Trajectory) -> Stretch:
         assessment=answer.assessment,
         governing=next(iter(answer.checks), None),
     )
+
+
+# A message holds whole nanoseconds: between points a millisecond apart that is 1e-6 of a velocity. What rounding breaks
+# gets this much more time; the last is half of the 0.1 % by which the stretch is told to be least.
+_MORE: Final = (0.0, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 5e-4)
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Fixed:
+    """A message that breaks no limit.
+
+    Attributes
+    ----------
+    message : JointTrajectoryMessage
+    factor : float
+        Its duration over that of the original.
+    check : TrajectoryCheck
+        Of what the controller makes of it.
+    governing : LimitCheck or None
+        The limit that a shorter motion would break; None where the original is kept.
+    """
+
+    message: JointTrajectoryMessage
+    factor: float
+    check: TrajectoryCheck
+    governing: LimitCheck | None
+
+
+def fixed(robot: Robot, planned: PlannedTrajectory, *, allow: Iterable[str] = (), effort: bool = False) -> Fixed:
+    """The least uniform stretch of a planned trajectory that holds, as a message, checked as it will be read.
+
+    Parameters
+    ----------
+    robot : Robot
+    planned : PlannedTrajectory
+    allow : iterable of str
+        As for `check_trajectory`.
+    effort : bool
+        Fill the effort fields with the torque at the points; a controller without an effort interface rejects them.
+
+    Returns
+    -------
+    Fixed
+
+    Raises
+    ------
+    NoSolution
+        Where no stretch helps, with the reason.
+    ModelError
+        For effort of an arm whose torque is not known.
+    """
+    allowed = tuple(allow)
+    if effort:
+        check_inertia(robot)
+    before = check_trajectory(robot, planned.trajectory, allow=allowed)
+    # What the check takes for rest at the ends is no step to be stretched.
+    judged = planned.trajectory if before.assessment is None else before.assessment.motion.trajectory
+    stretch = least_stretch(robot, judged)
+    for more in _MORE:
+        factor = stretch.factor * (1 + more)
+        message = planned.message if factor == 1 else planned.message.stretched(factor)
+        trajectory = interpolated(message, planned.start, robot.is_continuous)
+        check = check_trajectory(robot, trajectory, allow=allowed)
+        if check.verdict != "violated":
+            break
+    else:
+        raise NoSolution(
+            f"the stretched motion, rounded to the message's nanoseconds, does not hold: {check.reasons[0].message}",
+            residual=abs(check.reasons[0].demand - check.reasons[0].limit),
+            q=trajectory(trajectory.breaks[0]),
+        )
+    if effort and check.assessment is not None:
+        message = replace(message, effort=check.assessment.motion.torque(message.times))
+    return Fixed(message=message, factor=factor, check=check, governing=stretch.governing)

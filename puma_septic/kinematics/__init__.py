@@ -2,8 +2,17 @@
 
 from puma_septic.kinematics._chain import chain_to, checked_joint_values
 from puma_septic.kinematics._closed_form import has_closed_form, is_puma
-from puma_septic.kinematics._forward import ToolMotion, forward_kinematics, jacobian, tool_derivatives, tool_motion
-from puma_septic.kinematics._heights import LowestPoints, height_parts, heights, lowest_points
+from puma_septic.kinematics._forward import (
+    LowestPoints,
+    ToolMotion,
+    forward_kinematics,
+    height_parts,
+    heights,
+    jacobian,
+    lowest_points,
+    tool_derivatives,
+    tool_motion,
+)
 from puma_septic.kinematics._inverse import (
     IkBatch,
     IkSolutions,

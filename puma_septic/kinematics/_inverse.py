@@ -21,16 +21,21 @@ from puma_septic.kinematics._closed_form import (
     solve_in_blocks,
     why_out_of_reach,
 )
-from puma_septic.kinematics._conditions import CONDITIONS, Conditions, checked_conditions, told
 from puma_septic.kinematics._least_squares import end_errors, is_singular, is_solved, solve_from_starts
-from puma_septic.kinematics._poses import RIGIDITY, checked_poses
+from puma_septic.kinematics._poses import CONDITIONS, RIGIDITY, Conditions, checked_conditions, checked_poses, told
 from puma_septic.kinematics._puma_branches import CONFIGURATIONS, SINGULARITIES, PumaGeometry
 from puma_septic.kinematics._wrapping import within
 from puma_septic.robot import Robot
 from puma_septic.validation import Array, checked_array, checked_choice, checked_number, read_only
 from puma_septic.views.tables import html_table
 
-__all__ = ["IkBatch", "IkSolutions", "inverse_kinematics", "inverse_kinematics_batch", "rtb_names"]
+__all__ = [
+    "IkBatch",
+    "IkSolutions",
+    "inverse_kinematics",
+    "inverse_kinematics_batch",
+    "rtb_names",
+]
 
 
 @final

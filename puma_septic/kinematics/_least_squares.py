@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from puma_septic.kinematics._chain import Chain, chain_to, end_frame
-from puma_septic.kinematics._conditions import CONDITIONS, Conditions, condition_errors, condition_rows
 from puma_septic.kinematics._forward import end_and_jacobian, jacobian_columns
+from puma_septic.kinematics._poses import CONDITIONS, Conditions, condition_errors, condition_rows
 from puma_septic.kinematics._wrapping import resting, wrapped
 from puma_septic.robot import Robot
 from puma_septic.validation import Array

@@ -22,7 +22,14 @@ from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_number
 
-__all__ = ["LoadTorque", "RateTorque", "load_torque", "rate_torque", "split_torque", "stretched"]
+__all__ = [
+    "LoadTorque",
+    "RateTorque",
+    "load_torque",
+    "rate_torque",
+    "split_torque",
+    "stretched",
+]
 
 
 def stretched(trajectory: Trajectory, factor: float) -> Trajectory:

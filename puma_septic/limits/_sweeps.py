@@ -24,7 +24,13 @@ from puma_septic.piecewise.combinations import Combinations
 from puma_septic.quantities import QUANTITIES
 from puma_septic.validation import Array, checked_array, checked_number, read_only
 
-__all__ = ["Sweep", "duration_sweep", "payload_and_duration", "payload_duration_map", "payload_sweep"]
+__all__ = [
+    "Sweep",
+    "duration_sweep",
+    "payload_and_duration",
+    "payload_duration_map",
+    "payload_sweep",
+]
 
 _ORDERS: Final = {"velocity": 1, "acceleration": 2, "jerk": 3}
 

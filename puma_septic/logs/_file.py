@@ -2,23 +2,128 @@
 
 from __future__ import annotations
 
+import csv
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
-from typing import Final, Literal, NoReturn, final
+from typing import Final, Literal, NamedTuple, NoReturn, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from puma_septic.errors import InputError
-from puma_septic.logs._cells import Row, read_cells
 from puma_septic.logs._clock import even_stamps, exact_stamps, near_origin
-from puma_septic.logs._columns import Layout, laid_out
+from puma_septic.logs._columns import Layout, is_unit, laid_out
 from puma_septic.robot import Robot
 from puma_septic.validation import Array, checked_choice, checked_number, read_only
 
 __all__ = ["JointLog", "read_csv_trajectory", "read_log"]
+
+_COMMENTS: Final = ("#", "%", "//")
+_NAMES: Final = {";": "';'", "\t": "tabs", " ": "blanks"}
+
+
+class _Row(NamedTuple):
+    """A row as an editor counts it, and its cells."""
+
+    line: int
+    cells: list[str]
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Cells:
+    """A file's header, the units below it (empty where there are none), its rows, and what was decided."""
+
+    header: _Row
+    units: list[str]
+    rows: list[_Row]
+    notes: tuple[str, ...]
+
+
+def _read_cells(path: str | PathLike[str]) -> _Cells:
+    """Split a file into cells.
+
+    Raises
+    ------
+    InputError
+        For a file that cannot be read, or has no header.
+    """
+    try:
+        with open(path, encoding="utf-8-sig", newline="") as file:
+            lines = file.read().splitlines()
+    except FileNotFoundError as error:
+        raise InputError(f"{path}: this CSV file does not exist") from error
+    except (OSError, UnicodeDecodeError, ValueError) as error:
+        raise InputError(f"{path}: cannot be read as a CSV file: {error}") from error
+    comments = sum(line.lstrip().startswith(_COMMENTS) for line in lines)
+    plain = [line for line in lines if line.strip() and not line.lstrip().startswith(_COMMENTS)]
+    separator = _separator(plain[0] if plain else "")
+    rows = _rows(path, lines, separator)
+    if not rows:
+        raise InputError(f"{path}: the file is empty; a header t, <joint>, ... and at least two rows are needed")
+    comma = separator != "," and not any("." in cell for row in rows[1:] for cell in row.cells)
+    comma = comma and any("," in cell for row in rows[1:] for cell in row.cells)
+    if comma:
+        rows[1:] = [_Row(row.line, [cell.replace(",", ".") for cell in row.cells]) for row in rows[1:]]
+    rows = _without_empty_column(rows)
+    has_units = len(rows) > 1 and all(is_unit(cell) or not cell.strip() for cell in rows[1].cells)
+    return _Cells(
+        header=_Row(rows[0].line, [cell.strip() for cell in rows[0].cells]),
+        units=rows[1].cells if has_units else [],
+        rows=rows[2:] if has_units else rows[1:],
+        notes=_notes(separator, comma=comma, comments=comments, empty=_empty_inside(lines)),
+    )
+
+
+def _separator(header: str) -> str:
+    return next((separator for separator in (";", "\t", ",") if separator in header), " ")
+
+
+def _rows(path: str | PathLike[str], lines: Sequence[str], separator: str) -> list[_Row]:
+    """Rows with something in them; comments count as lines."""
+
+    def told() -> Iterator[str]:
+        for line in lines:
+            yield "" if line.lstrip().startswith(_COMMENTS) else line
+
+    if separator == " ":
+        return [_Row(k + 1, cells) for k, line in enumerate(told()) if (cells := line.split())]
+    try:
+        reader = csv.reader(told(), delimiter=separator, strict=True, skipinitialspace=True)
+        return [_Row(reader.line_num, cells) for cells in reader if "".join(cells).strip()]
+    except csv.Error as error:
+        raise InputError(f"{path}: cannot be read as a CSV file: {error}") from error
+
+
+def _without_empty_column(rows: list[_Row]) -> list[_Row]:
+    """Rows without what a separator at the end of every line makes."""
+    if len(rows) < 2 or any(row.cells[-1].strip() for row in rows[1:]):
+        return rows
+    width = len(rows[0].cells) - (not rows[0].cells[-1].strip())
+    if any(len(row.cells) != width + 1 for row in rows[1:]):
+        return rows
+    return [_Row(row.line, row.cells[:width]) for row in rows]
+
+
+def _empty_inside(lines: Sequence[str]) -> int:
+    filled = [k for k, line in enumerate(lines) if line.strip()]
+    return sum(not line.strip() for line in lines[: filled[-1]]) if filled else 0
+
+
+def _notes(separator: str, *, comma: bool, comments: int, empty: int) -> tuple[str, ...]:
+    def counted(count: int, what: str) -> Iterable[str]:
+        return [f"{count} {what}{'s' if count > 1 else ''}"] if count else []
+
+    parts = [
+        *([f"separator {_NAMES[separator]}"] if separator != "," else []),
+        *(["decimal comma"] if comma else []),
+        *counted(comments, "comment line"),
+        *counted(empty, "empty line"),
+    ]
+    return (", ".join(parts),) if parts else ()
+
 
 Path = str | PathLike[str]
 
@@ -120,7 +225,7 @@ def read_log(
     ("separator ';', decimal comma, 1 comment line", "columns not read: 'mode'")
     """
     checked_choice("repeated", repeated, ("refuse", "average"))
-    cells = read_cells(path)
+    cells = _read_cells(path)
     layout = laid_out(
         f"{path}, row {cells.header.line}",
         cells.header.cells,
@@ -159,7 +264,7 @@ def read_csv_trajectory(path: Path, *, max_gap: float | None = None) -> JointLog
     return read_log(path, max_gap=max_gap)
 
 
-def _numbers(path: Path, header: Sequence[str], rows: Sequence[Row], layout: Layout) -> Array:
+def _numbers(path: Path, header: Sequence[str], rows: Sequence[_Row], layout: Layout) -> Array:
     """The wanted columns in SI units, shape (n, number of columns), in the order of the layout."""
     wanted = [column.index for column in layout.columns]
     for row in rows:
@@ -177,7 +282,7 @@ def _numbers(path: Path, header: Sequence[str], rows: Sequence[Row], layout: Lay
     return np.asarray(values * [column.factor for column in layout.columns])
 
 
-def _refuse_cell(path: Path, rows: Sequence[Row], layout: Layout) -> NoReturn:
+def _refuse_cell(path: Path, rows: Sequence[_Row], layout: Layout) -> NoReturn:
     """Name the first cell that is no number."""
     for row in rows:
         for column in layout.columns:

@@ -1,4 +1,4 @@
-"""What the noise of a log leaves unknown of the torque."""
+"""What the noise of a log leaves unknown of the torque, and of the limits that it may keep or break."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from puma_septic.piecewise.directions import REST_TIME
 from puma_septic.robot import Robot
 from puma_septic.validation import Array, read_only
 
-__all__ = ["TorqueBand", "torque_band"]
+__all__ = ["TorqueBand", "limit_doubts", "torque_band"]
 
 # Instants at which torques are compared: the least and the most of them, and per second in between.
 _LEAST, _MOST, _PER_SECOND = 600, 4000, 400.0
@@ -222,3 +222,40 @@ def _rms(values: Array) -> Array:
     weights = np.ones(len(values))
     weights[[0, -1]] = 0.5
     return np.asarray(np.sqrt(weights @ values**2 / weights.sum()))
+
+
+_SIGMAS: Final = 4.0
+_UNITS: Final = {"velocity": "rad/s", "acceleration": "rad/s^2", "jerk": "rad/s^3", "torque": "N m"}
+_SLIDING: Final = {"velocity": "m/s", "acceleration": "m/s^2", "jerk": "m/s^3", "torque": "N"}
+
+
+def limit_doubts(motion: Motion, fit: LogFit, band: TorqueBand) -> tuple[str, ...]:
+    """Why no verdict is possible: limits that lie within what the samples leave unknown of the peak.
+
+    Of the torque that is its band; of velocity, acceleration and jerk four standard deviations of the fit, and what it
+    may miss between the samples.
+    """
+    robot, trajectory = motion.robot, motion.trajectory
+    limits = robot.limits
+    known = {1: ("velocity", limits.velocity), 2: ("acceleration", limits.acceleration), 3: ("jerk", limits.jerk)}
+    cause = "noise" if fit.noise.any() else "samples"
+    found = []
+    for order, (quantity, bounds) in known.items():
+        if np.isnan(bounds).all():
+            continue
+        peak, off = trajectory.peak(order)[0], _SIGMAS * fit.spread.deviation(order) + fit.spread.missed(order)
+        found += _within(robot, quantity, np.array([peak - off, peak + off]), bounds, cause)
+    return (*found, *_within(robot, "torque", band.peak, limits.effort, cause))
+
+
+def _within(robot: Robot, quantity: str, peaks: Array, limits: Array, cause: str) -> list[str]:
+    """Joints whose limit is neither surely kept nor surely violated; an unknown limit is not in question."""
+    found = []
+    for j, (least, greatest) in enumerate(peaks.T):
+        if least <= limits[j] < greatest:
+            unit = (_SLIDING if robot.is_prismatic[j] else _UNITS)[quantity]
+            found.append(
+                f"{cause}: the peak {quantity} of joint {robot.joint_names[j]!r} is between {least:.4g} and"
+                f" {greatest:.4g} {unit}, its limit is {limits[j]:.4g} {unit}"
+            )
+    return found

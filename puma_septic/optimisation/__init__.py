@@ -5,4 +5,12 @@ from puma_septic.optimisation._least_time import LeastTime, least_time
 from puma_septic.optimisation._verdict import Verdict
 from puma_septic.optimisation._via_times import OptimisedTimes, optimise_via_times
 
-__all__ = ["LeastTime", "OptimisedTimes", "ParetoFront", "Verdict", "least_time", "optimise_via_times", "pareto_front"]
+__all__ = [
+    "LeastTime",
+    "OptimisedTimes",
+    "ParetoFront",
+    "Verdict",
+    "least_time",
+    "optimise_via_times",
+    "pareto_front",
+]

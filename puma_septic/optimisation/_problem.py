@@ -20,7 +20,15 @@ from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_number
 
-__all__ = ["Progress", "Setting", "best_kept", "checked_count", "checked_setting", "random_starts", "search_from"]
+__all__ = [
+    "Progress",
+    "Setting",
+    "best_kept",
+    "checked_count",
+    "checked_setting",
+    "random_starts",
+    "search_from",
+]
 
 Progress = Callable[[int, int], None]
 

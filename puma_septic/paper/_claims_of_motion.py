@@ -8,8 +8,7 @@ import numpy as np
 
 from puma_septic.assessment import Assessment
 from puma_septic.paper._claim import Claim, Verdict, times_text, verdict_of
-from puma_septic.paper._evidence import Evidence
-from puma_septic.paper._execution import FREQUENCIES, Executed, execute_profiles
+from puma_septic.paper._evidence import FREQUENCIES, Evidence, Executed, execute_profiles
 from puma_septic.validation import Array
 
 __all__ = ["claim_9", "claim_10", "claim_11", "claim_12", "claim_13"]

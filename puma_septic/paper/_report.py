@@ -11,7 +11,7 @@ from typing import Any, Final, final
 import numpy as np
 
 from puma_septic.document import SCHEMAS, card, one_line, plain
-from puma_septic.paper import _claims_of_motion, _claims_of_points, _claims_of_profiles
+from puma_septic.paper import _claims_of_motion, _claims_of_profiles
 from puma_septic.paper._claim import Claim
 from puma_septic.paper._evidence import TIME_STEP, Evidence, gather
 from puma_septic.paper._inputs import PAPER, POINTS, PaperInputs
@@ -24,10 +24,10 @@ __all__ = ["PaperReport", "reproduce"]
 # Whatever changes in the layout of the document changes this.
 _ORDER: Final = ("holds", "holds in part", "does not hold", "not stated", "not tested")
 _JUDGES: Final[tuple[Callable[[Evidence], Claim], ...]] = (
-    _claims_of_points.claim_1,
-    _claims_of_points.claim_2,
-    _claims_of_points.claim_3,
-    _claims_of_points.claim_4,
+    _claims_of_profiles.claim_1,
+    _claims_of_profiles.claim_2,
+    _claims_of_profiles.claim_3,
+    _claims_of_profiles.claim_4,
     _claims_of_profiles.claim_5,
     _claims_of_profiles.claim_6,
     _claims_of_profiles.claim_7,

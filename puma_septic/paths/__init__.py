@@ -2,8 +2,7 @@
 
 from puma_septic.paths._curves import arc, circle, line
 from puma_septic.paths._joint_path import JointPath, follow
-from puma_septic.paths._laws import at_speed, in_time
-from puma_septic.paths._move import timed, tool_move
+from puma_septic.paths._move import at_speed, in_time, timed, tool_move
 from puma_septic.paths._path import Path
 from puma_septic.paths._polyline import polyline
 from puma_septic.paths._tool import ToolLimits, ToolRates, tool_rates

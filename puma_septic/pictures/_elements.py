@@ -12,7 +12,19 @@ import numpy as np
 from puma_septic.pictures._styles import LIMIT, Dot, Fill, Line, Style
 from puma_septic.validation import Array
 
-__all__ = ["ASPECT", "Bar", "Curve", "Entry", "Mark", "Panel", "Picture", "Rule", "bars", "chart", "saying"]
+__all__ = [
+    "ASPECT",
+    "Bar",
+    "Curve",
+    "Entry",
+    "Mark",
+    "Panel",
+    "Picture",
+    "Rule",
+    "bars",
+    "chart",
+    "saying",
+]
 
 # Width over height of the field of a path, which has the same scale on both axes.
 ASPECT: Final = 302 / 142

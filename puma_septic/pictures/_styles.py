@@ -6,7 +6,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, final
 
-__all__ = ["HUES", "LIMIT", "PROFILES", "Dot", "Fill", "Hue", "Line", "Style", "cause_lines", "profile_line"]
+__all__ = [
+    "HUES",
+    "LIMIT",
+    "PROFILES",
+    "Dot",
+    "Fill",
+    "Hue",
+    "Line",
+    "Style",
+    "cause_lines",
+    "profile_line",
+]
 
 Shape = Literal["via", "peak", "up", "down", "dot", "point", "cross"]
 

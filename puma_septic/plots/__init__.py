@@ -4,7 +4,7 @@ Each draws a picture that `puma_septic.pictures` describes, or several on axes o
 Ito's, told apart by colour-blind readers, one a profile. Every axis has its unit; steps stay steps.
 """
 
-from puma_septic.plots._comparison import plot_comparison, plot_pareto_front, plot_payload
+from puma_septic.plots._comparison import paper_figures, plot_comparison, plot_pareto_front, plot_payload
 from puma_septic.plots._drawing import draw
 from puma_septic.plots._execution import plot_residual_vibration, plot_stops, plot_tracking
 from puma_septic.plots._motion import (
@@ -17,7 +17,6 @@ from puma_septic.plots._motion import (
     plot_utilisation,
     plot_workspace,
 )
-from puma_septic.plots._paper import paper_figures
 from puma_septic.plots._sizing import (
     plot_ratio_sweep,
     plot_sizing_torque_split,

@@ -27,8 +27,7 @@ from puma_septic.profiles._rest_to_rest import (
     modified_sine,
     modified_trapezoidal,
 )
-from puma_septic.profiles._septic import SEPTIC, septic
-from puma_septic.profiles._single_polynomial import SINGLE_POLYNOMIAL, single_polynomial
+from puma_septic.profiles._single_polynomial import SEPTIC, SINGLE_POLYNOMIAL, septic, single_polynomial
 from puma_septic.profiles._splines import (
     CUBIC_SPLINE,
     CUBIC_SPLINE_FREE_KNOTS,

@@ -14,7 +14,15 @@ from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise, matrices
 from puma_septic.validation import Array, read_only
 
-__all__ = ["ALLOWED_DOUBT", "Condition", "at_ends", "ill_conditioned", "refined", "solve_segments", "through"]
+__all__ = [
+    "ALLOWED_DOUBT",
+    "Condition",
+    "at_ends",
+    "ill_conditioned",
+    "refined",
+    "solve_segments",
+    "through",
+]
 
 _EPS = np.finfo(np.float64).eps
 # Largest uncertainty of a position, relative to the movement, with which a polynomial is made.

@@ -16,9 +16,8 @@ from puma_septic.motion import Motion
 from puma_septic.optimisation import LeastTime, OptimisedTimes, ParetoFront
 from puma_septic.paper import PaperReport
 from puma_septic.pictures import Picture
-from puma_septic.pictures.comparison import comparison_picture
+from puma_septic.pictures.comparison import comparison_picture, optimisation_picture
 from puma_septic.pictures.execution import execution_pictures
-from puma_septic.pictures.front import optimisation_picture
 from puma_septic.pictures.sizing import sizing_pictures
 from puma_septic.report._documents import profile_labels
 from puma_septic.robot import Robot
@@ -31,7 +30,16 @@ from puma_septic.views import selection as selection_view
 from puma_septic.views.cycle import steps_html
 from puma_septic.views.tables import html_table
 
-__all__ = ["Case", "Optimised", "Reported", "case_of", "cycle_cases", "optimised_case", "reason", "task_case"]
+__all__ = [
+    "Case",
+    "Optimised",
+    "Reported",
+    "case_of",
+    "cycle_cases",
+    "optimised_case",
+    "reason",
+    "task_case",
+]
 
 Optimised = OptimisedTimes | ParetoFront | LeastTime
 Reported = (

@@ -31,8 +31,7 @@ from puma_septic.robot._model_checks import check_complete, massless_notes, unkn
 from puma_septic.robot._names import own_file, robot_file
 from puma_septic.robot._tool import chosen_tool
 from puma_septic.robot._urdf_checks import Urdf, checked_urdf
-from puma_septic.robot._urdf_drives import urdf_drivetrains
-from puma_septic.robot._urdf_limits import SOFT, position_range, soft_positions, urdf_limits
+from puma_septic.robot._urdf_drives import SOFT, position_range, soft_positions, urdf_drivetrains, urdf_limits
 from puma_septic.robot._urdf_text import read_urdf
 from puma_septic.validation import Array, checked_array, checked_choice
 

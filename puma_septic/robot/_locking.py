@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from puma_septic.errors import InputError
 from puma_septic.robot._urdf_checks import Urdf
-from puma_septic.robot._urdf_limits import position_range
+from puma_septic.robot._urdf_drives import position_range
 from puma_septic.robot._urdf_schema import vector
 from puma_septic.validation import Array, checked_choice, checked_number
 

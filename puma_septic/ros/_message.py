@@ -1,8 +1,8 @@
-"""trajectory_msgs/JointTrajectory and sensor_msgs/JointState as values, from plain mappings."""
+"""JointTrajectory and JointState messages as values, and where they lie in messages that carry one."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, final
 
@@ -13,10 +13,103 @@ from puma_septic.errors import InputError
 from puma_septic.ros._faults import Fault
 from puma_septic.validation import Array, read_only
 
-__all__ = ["FIELDS", "JointState", "JointTrajectoryMessage", "joint_state", "joint_trajectory_message"]
+__all__ = [
+    "Found",
+    "JointState",
+    "JointTrajectoryMessage",
+    "found_messages",
+    "joint_state",
+    "joint_trajectory_message",
+]
 
-FIELDS: Final = ("positions", "velocities", "accelerations", "effort")
-_POINT_KEYS: Final = (*FIELDS, "time_from_start")
+# Fields that lead to a JointTrajectory.
+_INTO: Final = (
+    "goal", "request", "motion_plan_response", "planned_trajectory", "trajectory", "joint_trajectory",
+    "sub_trajectory", "solution",
+)  # fmt: skip
+# Fields with the state that the motion starts from (moveit_msgs/RobotState).
+_START: Final = ("trajectory_start", "start_state")
+# Fields that move a floating base or the like.
+_MULTI_DOF: Final = ("multi_dof_joint_trajectory", "multi_dof_trajectory")
+# Fields beside them that say nothing about the motion of the joints.
+_BESIDE: Final = (
+    "header", "model_id", "goal_id", "group_name", "planning_time", "error_code", "controller_names", "path_tolerance",
+    "component_path_tolerance", "goal_tolerance", "component_goal_tolerance", "goal_time_tolerance", "planner_id",
+    "start_scene", "scene_diff", "info", "execution_info", "task_id", "sub_solution",
+)  # fmt: skip
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Found:
+    """A JointTrajectory as plain values.
+
+    Attributes
+    ----------
+    where : str
+        Its path in the document, empty where the document itself is it.
+    message : Mapping
+    start : Mapping or None
+        The RobotState that the plan starts from, where the message around it has one.
+    """
+
+    where: str
+    message: Mapping[str, Any]
+    start: Mapping[str, Any] | None = None
+
+
+def found_messages(document: object, faults: list[Fault]) -> list[Found]:
+    """Every JointTrajectory in a document, in its order; what does not fit is added to `faults`."""
+    return list(_walk(document, "", None, faults))
+
+
+def _walk(node: object, where: str, start: Mapping[str, Any] | None, faults: list[Fault]) -> Iterator[Found]:
+    if isinstance(node, list):
+        for k, one in enumerate(node):
+            # Only the first part of a plan starts where the plan does.
+            yield from _walk(one, f"{where}[{k}]", start if k == 0 else None, faults)
+    elif not isinstance(node, Mapping):
+        faults.append(Fault(code="no_trajectory", message=f"{where or 'the document'} is no message but {node!r:.60}"))
+    elif "joint_names" in node or "points" in node:
+        yield Found(where=where, message=node, start=start)
+    else:
+        yield from _inside(node, where, start, faults)
+
+
+def _inside(
+    node: Mapping[str, Any], where: str, start: Mapping[str, Any] | None, faults: list[Fault]
+) -> Iterator[Found]:
+    """Go on into the one field that leads to a trajectory."""
+    place = f"{where}." if where else ""
+    into = [key for key in _INTO if key in node]
+    known = {*_INTO, *_START, *_MULTI_DOF, *_BESIDE}
+    if not into:
+        keys = ", ".join(map(str, list(node)[:8])) or "nothing"
+        faults.append(
+            Fault(
+                code="no_trajectory",
+                message=f"no JointTrajectory (joint_names, points) in {where or 'the document'}, which has {keys}",
+            )
+        )
+        return
+    faults += [
+        Fault(code="unknown_key", message=f"{place}{key} is no field of a message around a JointTrajectory")
+        for key in node
+        if key not in known
+    ]
+    for key in _MULTI_DOF:
+        if isinstance(node.get(key), Mapping) and node[key].get("points"):
+            text = f"{place}{key} moves joints of several degrees of freedom, which are not assessed"
+            faults.append(Fault(code="unsupported", message=text))
+    for key in _START:
+        if isinstance(node.get(key), Mapping):
+            start = node[key]
+    for key in into:
+        yield from _walk(node[key], place + key, start, faults)
+
+
+_FIELDS: Final = ("positions", "velocities", "accelerations", "effort")
+_POINT_KEYS: Final = (*_FIELDS, "time_from_start")
 _MESSAGE_KEYS: Final = ("header", "joint_names", "points")
 _CUT: Final = "..."  # what `ros2 topic echo` writes for the elements beyond its --truncate-length (128 by default)
 _NS: Final = 10**9
@@ -52,7 +145,7 @@ class JointTrajectoryMessage:
         times = np.array(self.nanoseconds, dtype=np.int64)
         times.setflags(write=False)
         object.__setattr__(self, "nanoseconds", times)
-        for name in FIELDS:
+        for name in _FIELDS:
             object.__setattr__(self, name, read_only(getattr(self, name)))
 
     @property
@@ -110,7 +203,7 @@ def joint_trajectory_message(data: Mapping[str, Any], faults: list[Fault]) -> Jo
     if points[-1] == _CUT:
         faults.append(_truncated("points"))
         points = points[:-1]
-    rows: dict[str, list[Array]] = {name: [] for name in FIELDS}
+    rows: dict[str, list[Array]] = {name: [] for name in _FIELDS}
     times = [0] * len(points)
     for k, point in enumerate(points):
         where = f"points[{k}]"
@@ -118,7 +211,7 @@ def joint_trajectory_message(data: Mapping[str, Any], faults: list[Fault]) -> Jo
             faults.append(Fault(code="bad_value", message=f"{where}: a JointTrajectoryPoint is expected"))
             continue
         _refuse_unknown(point, _POINT_KEYS, "JointTrajectoryPoint", f"{where}.", faults)
-        for name in FIELDS:
+        for name in _FIELDS:
             rows[name].append(_row(point.get(name), len(names), f"{where}.{name}", faults))
         times[k] = _nanoseconds(point.get("time_from_start"), f"{where}.time_from_start", faults)
     if len(faults) > before:

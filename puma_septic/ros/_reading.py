@@ -18,8 +18,14 @@ from puma_septic.files import decoded, read_bytes
 from puma_septic.robot import Robot
 from puma_septic.ros._faults import Fault, JointTrajectoryError
 from puma_septic.ros._interpolation import in_robot_order, interpolated
-from puma_septic.ros._message import JointState, JointTrajectoryMessage, joint_state, joint_trajectory_message
-from puma_septic.ros._nesting import Found, found_messages
+from puma_septic.ros._message import (
+    Found,
+    JointState,
+    JointTrajectoryMessage,
+    found_messages,
+    joint_state,
+    joint_trajectory_message,
+)
 from puma_septic.ros._texts import MAX_YAML, documents_of, read_documents
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import checked_array

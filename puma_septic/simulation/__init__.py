@@ -4,9 +4,8 @@ from puma_septic.simulation._controller import LAWS, Controller, Gains
 from puma_septic.simulation._elasticity import ElasticJoints
 from puma_septic.simulation._execute import Execution, execute
 from puma_septic.simulation._integration import Divergence
-from puma_septic.simulation._metrics import METRICS, SETTLED, Metrics
 from puma_septic.simulation._simulate import LARGEST_STEP, REST_SPEED, simulate, simulate_all
-from puma_septic.simulation._simulation import EnergyBalance, Simulation
+from puma_septic.simulation._simulation import METRICS, SETTLED, EnergyBalance, Metrics, Simulation
 from puma_septic.simulation._stop import CATEGORIES, NOT_A_SAFETY_FUNCTION, Stop, WorstStop, stop, worst_stop
 from puma_septic.simulation._stop_table import FRACTIONS, StopRow, StopTable, stop_table
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import floor, isinf
 from types import MappingProxyType
@@ -12,12 +12,55 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from puma_septic.document import card, one_line, plain
-from puma_septic.dynamics import mass_matrix
+from puma_septic.dynamics import mass_matrix, rigid_torque
 from puma_septic.errors import InputError
+from puma_septic.friction import friction_terms
 from puma_septic.robot import Robot
+from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_array, checked_choice, checked_number
 
-__all__ = ["LAWS", "Controller", "Gains", "controller_of"]
+__all__ = [
+    "LAWS",
+    "TORQUE",
+    "Controller",
+    "Gains",
+    "Reference",
+    "controller_of",
+    "planned_torque",
+    "reference_at",
+    "references",
+    "smooth_friction",
+]
+
+
+class Reference(NamedTuple):
+    """Planned motion of several arms, each of shape (n_instants, n_rows, n_joints), after its end at rest."""
+
+    q: Array
+    v: Array
+    a: Array
+
+    def at(self, k: int) -> Reference:
+        """Of one instant, shape (n_rows, n_joints)."""
+        return Reference(self.q[k], self.v[k], self.a[k])
+
+
+def reference_at(trajectory: Trajectory, since: Array, *, from_left: bool = False) -> Reference:
+    """A planned motion at times since its start, shape (n,); steps seen from the left where asked for."""
+    duration, state, n = trajectory.duration, trajectory.state, trajectory.n_joints
+    # A hair before an instant stands for its left-hand side; the hair is a rounding of the time.
+    inside = np.clip(np.nextafter(since, -np.inf) if from_left else since, 0.0, duration)
+    values = state.at_offsets(inside)
+    ended = since > duration * (1 + 1e-12) if from_left else since >= duration * (1 - 1e-12)
+    values[ended, n:] = 0.0
+    return Reference(values[:, :n], values[:, n : 2 * n], values[:, 2 * n : 3 * n])
+
+
+def references(trajectories: Sequence[Trajectory], instants: Array, *, from_left: bool = False) -> Reference:
+    """Of several motions, each at its own times since the start, shape (n_instants, n_rows)."""
+    rows = [reference_at(trajectory, instants[:, k], from_left=from_left) for k, trajectory in enumerate(trajectories)]
+    return Reference(*(np.stack(parts, axis=1) for parts in zip(*rows, strict=True)))
+
 
 LAWS: Final[Mapping[str, str]] = MappingProxyType(
     {
@@ -254,3 +297,54 @@ def _at_least_zero(name: str, value: ArrayLike, unit: str, *, is_open: bool = Fa
     numbers = checked_array(name, value, () if np.ndim(value) == 0 else (None,), unit=unit)
     if not ((numbers > 0) if is_open else (numbers >= 0)).all():
         raise InputError(f"{name} = {numbers.min():g} {unit} must be {'above' if is_open else 'at least'} 0")
+
+
+_ControlLaw = Callable[[Robot, Gains, Reference, Array, Array, Array], Array]
+"""Torque (n_rows, n_joints) by model, gains, reference, planned torque, and measured position and velocity."""
+
+
+def smooth_friction(robot: Robot, v: Array, rest_speed: float) -> Array:
+    """The friction law with its step at rest made smooth: the way is ``tanh(v / rest_speed)``."""
+    terms = friction_terms(robot.friction, v, np.tanh(v / rest_speed))
+    return terms["viscous"] + terms["coulomb"]
+
+
+def planned_torque(model: Robot, reference: Reference, rest_speed: float) -> Array:
+    """What the planned motion needs by the controller's model, shape of the reference."""
+    q, v, a = (values.reshape(-1, values.shape[-1]) for values in reference)
+    return (rigid_torque(model, q, v, a) + smooth_friction(model, v, rest_speed)).reshape(reference.q.shape)
+
+
+def _none(_model: Robot, _gains: Gains, want: Reference, _planned: Array, _q: Array, _v: Array) -> Array:
+    return np.zeros_like(want.q)
+
+
+def _pd(_model: Robot, gains: Gains, want: Reference, _planned: Array, q: Array, v: Array) -> Array:
+    return gains.proportional * (want.q - q) + gains.derivative * (want.v - v)
+
+
+def _pd_gravity(model: Robot, gains: Gains, want: Reference, planned: Array, q: Array, v: Array) -> Array:
+    rest = np.zeros_like(q)
+    return _pd(model, gains, want, planned, q, v) + rigid_torque(model, q, rest, rest)
+
+
+def _feedforward(model: Robot, gains: Gains, want: Reference, planned: Array, q: Array, v: Array) -> Array:
+    return _pd(model, gains, want, planned, q, v) + planned
+
+
+def _computed_torque(model: Robot, gains: Gains, want: Reference, planned: Array, q: Array, v: Array) -> Array:
+    """`planned` is the friction of the planned velocity alone."""
+    return rigid_torque(model, q, v, want.a + _pd(model, gains, want, planned, q, v)) + planned
+
+
+TORQUE: Final[Mapping[str, _ControlLaw]] = MappingProxyType(
+    {
+        "none": _none,
+        "pd": _pd,
+        "pid": _pd,  # the integral is added where it is kept
+        "pd_gravity": _pd_gravity,
+        "feedforward": _feedforward,
+        "computed_torque": _computed_torque,
+    }
+)
+"""The torque of each law of `LAWS`."""

@@ -14,10 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from puma_septic.robot import Robot
-from puma_septic.simulation._controller import Controller, Gains
-from puma_septic.simulation._laws import TORQUE, planned_torque, smooth_friction
+from puma_septic.simulation._controller import (
+    TORQUE,
+    Controller,
+    Gains,
+    Reference,
+    planned_torque,
+    references,
+    smooth_friction,
+)
 from puma_septic.simulation._plant import POSITION, Plant
-from puma_septic.simulation._reference import Reference, references
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array
 

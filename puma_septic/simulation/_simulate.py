@@ -12,11 +12,10 @@ from puma_septic.dynamics import check_inertia
 from puma_septic.errors import InputError
 from puma_septic.motion import check_joints
 from puma_septic.robot import Robot
-from puma_septic.simulation._controller import Controller, Gains, controller_of
+from puma_septic.simulation._controller import Controller, Gains, controller_of, reference_at
 from puma_septic.simulation._elasticity import ElasticJoints
 from puma_septic.simulation._integration import Commander, Schedule, run
 from puma_septic.simulation._plant import Plant
-from puma_septic.simulation._reference import reference_at
 from puma_septic.simulation._simulation import Simulation
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_number

@@ -15,8 +15,7 @@ from puma_septic.errors import InputError, NoSolution
 from puma_septic.kinematics import forward_kinematics
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.robot import Robot
-from puma_septic.simulation._brake_stop import brake
-from puma_septic.simulation._path_stop import path_of, slow_down, stopping_trajectory
+from puma_septic.simulation._stop_categories import brake, path_of, slow_down, stopping_trajectory
 from puma_septic.validation import Array, checked_array, checked_choice, checked_number, read_only
 
 __all__ = [

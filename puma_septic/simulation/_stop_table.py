@@ -19,9 +19,8 @@ from puma_septic.dynamics import check_inertia
 from puma_septic.errors import InputError
 from puma_septic.kinematics import forward_kinematics
 from puma_septic.robot import Payload, Robot
-from puma_septic.simulation._brake_stop import brake
-from puma_septic.simulation._path_stop import Path, slow_down
 from puma_septic.simulation._stop import CATEGORIES, NOT_A_SAFETY_FUNCTION, checked_brakes, known_limits
+from puma_septic.simulation._stop_categories import Path, brake, slow_down
 from puma_septic.validation import Array, checked_array, checked_choice, checked_number, read_only
 from puma_septic.views import stops as view
 

@@ -17,7 +17,14 @@ from puma_septic.sizing._pair_demands import PairDemands, PeakBounds
 from puma_septic.sizing._pair_features import PairTable
 from puma_septic.validation import Array
 
-__all__ = ["DRIVE_LIMITS", "DriveLimit", "NotAssessed", "Outcome", "assess_joint", "utilisation_bounds"]
+__all__ = [
+    "DRIVE_LIMITS",
+    "DriveLimit",
+    "NotAssessed",
+    "Outcome",
+    "assess_joint",
+    "utilisation_bounds",
+]
 
 _SIEMENS: Final = "Siemens: SIMOVERT MASTERDRIVES MC compendium, p. 11-15"
 _HARMONIC: Final = "Harmonic Drive: engineering data HFUS-2A, p. 19"

@@ -15,7 +15,15 @@ from puma_septic.kinematics import IkSolutions, LowestPoints, inverse_kinematics
 from puma_septic.robot import Robot
 from puma_septic.validation import Array, checked_choice, read_only
 
-__all__ = ["Branch", "Posed", "Waypoint", "are_all_branches", "best_branch", "branches_through", "ranked_branches"]
+__all__ = [
+    "Branch",
+    "Posed",
+    "Waypoint",
+    "are_all_branches",
+    "best_branch",
+    "branches_through",
+    "ranked_branches",
+]
 
 # An angle this far beyond its limit stands on it, to rounding, rad.
 _SLACK: Final = 1e-9

@@ -15,7 +15,13 @@ from puma_septic.piecewise import Piecewise
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_array, checked_number
 
-__all__ = ["Complex", "checked_damping", "checked_frequencies", "forced_response", "residual_vibration"]
+__all__ = [
+    "Complex",
+    "checked_damping",
+    "checked_frequencies",
+    "forced_response",
+    "residual_vibration",
+]
 
 Complex = NDArray[np.complex128]
 

@@ -19,8 +19,8 @@ from puma_septic.kinematics import singularity_names
 from puma_septic.motion import Motion
 from puma_septic.pictures import profile_line
 from puma_septic.validation import Array
+from puma_septic.viewer._animation import Flag
 from puma_septic.viewer._colours import UTILISATION, as_hex
-from puma_septic.viewer._flags import Flag
 from puma_septic.viewer._scene import Shown, scene_commands
 
 __all__ = ["page_html"]

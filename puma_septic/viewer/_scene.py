@@ -18,9 +18,8 @@ from puma_septic.assessment import Assessment
 from puma_septic.kinematics import forward_kinematics, singularity_distances, tool_motion
 from puma_septic.robot import Payload, Robot
 from puma_septic.validation import Array
-from puma_septic.viewer._animation import add_colours, add_joints, joint_paths, key_times, utilisation
+from puma_septic.viewer._animation import Flag, add_colours, add_joints, flags_of, joint_paths, key_times, utilisation
 from puma_septic.viewer._colours import UTILISATION, colour_at, profile_colour
-from puma_septic.viewer._flags import Flag, flags_of
 from puma_septic.viewer._shapes import Placed, octahedron, placed_shapes, rotated_y_to_z, tube
 
 __all__ = ["Shown", "scene_commands", "shown"]

@@ -14,7 +14,16 @@ from puma_septic.views.checks import read_checks
 from puma_septic.views.tables import html_table, text_table
 from puma_septic.views.units import SI, Units
 
-__all__ = ["html", "joints_text", "listed", "lists", "lowest_text", "metrics_csv", "tables", "text"]
+__all__ = [
+    "html",
+    "joints_text",
+    "listed",
+    "lists",
+    "lowest_text",
+    "metrics_csv",
+    "tables",
+    "text",
+]
 
 Document = Mapping[str, Any]
 

@@ -13,9 +13,8 @@ from puma_septic.document import card, one_line
 from puma_septic.dynamics import check_inertia, check_uncoupled, rigid_torque
 from puma_septic.robot import Payload, Robot
 from puma_septic.validation import Array, checked_number, read_only
-from puma_septic.worst_case._bisection import certified_minimum
 from puma_septic.worst_case._polynomials import fitted
-from puma_septic.worst_case._region import Region, acting_joints, checked_region, random_poses
+from puma_septic.worst_case._region import Region, acting_joints, certified_minimum, checked_region, random_poses
 
 __all__ = ["WorstHolding", "holding_poses", "worst_holding_torque"]
 

@@ -12,7 +12,7 @@ from helpers.six_axis_arms import arm
 import puma_septic as ps
 from puma_septic.document import numeric
 from puma_septic.task import assess_task, make_task, resolve_task
-from puma_septic.viewer._flags import flags_of
+from puma_septic.viewer._animation import flags_of
 
 
 def dipping(**options: float) -> ps.Assessment:

@@ -11,7 +11,7 @@ from helpers.urdf_texts import ARM, DRIVES, load
 import puma_septic as ps
 from puma_septic.dynamics import mass_matrix
 from puma_septic.task import make_task
-from puma_septic.viewer._flags import flags_of
+from puma_septic.viewer._animation import flags_of
 
 VIAS = [[0.0, 0.8, -0.3, 0.1, 0.4, 0.0], [0.5, 0.3, 0.2, 0.4, -0.2, 0.6], [1.2, 0.9, -0.4, 0.0, 0.5, 1.0]]
 

@@ -15,7 +15,7 @@ import pytest
 
 import puma_septic as ps
 from puma_septic.paper import PAPER, VERDICTS, PaperInputs, PaperReport, reproduce
-from puma_septic.paper._durations import least_duration, median_seconds, stretched
+from puma_septic.paper._evidence import least_duration, median_seconds, stretched
 from puma_septic.plots import paper_figures
 
 

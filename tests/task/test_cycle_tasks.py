@@ -17,7 +17,7 @@ from puma_septic.pictures import assessment_pictures, utilisation_picture
 from puma_septic.task import load_task, make_task, parse_task, resolve_cycle, resolve_task
 from puma_septic.task._resolved_cycle import together
 from puma_septic.validation import Array
-from puma_septic.viewer._flags import flags_of
+from puma_septic.viewer._animation import flags_of
 from puma_septic.viewer._page import _motion_data
 from puma_septic.viewer._scene import shown
 

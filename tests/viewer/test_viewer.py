@@ -31,9 +31,8 @@ from helpers.urdf_texts import ARM, load
 import puma_septic as ps
 from puma_septic.pictures import profile_line
 from puma_septic.task import assess_task, load_task
-from puma_septic.viewer._animation import ANGLE_ERROR, key_times, utilisation
+from puma_septic.viewer._animation import ANGLE_ERROR, flags_of, key_times, utilisation
 from puma_septic.viewer._colours import UTILISATION, colour_at, profile_colour
-from puma_septic.viewer._flags import flags_of
 from puma_septic.viewer._server import serve_page
 from puma_septic.viewer._shapes import placed_shapes, tube
 

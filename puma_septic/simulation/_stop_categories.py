@@ -1,11 +1,4 @@
-"""Controlled stops (category 1): along the path, as fast as the torque limits allow.
-
-On a path ``q(s)`` with the speed ``r = ds/dt``, which is 1 as planned, each torque is linear in ``dr/dt``:
-``tau = A dr/dt + B`` with ``A = M q'`` and B the torque of ``q' r`` and ``q'' r^2``. The hardest deceleration that all
-limits allow, from the state at the stop's command on, gives the lowest speed at every place of the path, and so the
-shortest stop. It is marched from r = 1 to 0 by equal drops of the speed, over each of which the deceleration is
-constant and no harder than allowed at both of its ends.
-"""
+"""Stops by category: power off and brakes (0), and along the path as fast as the torque limits allow (1)."""
 
 from __future__ import annotations
 
@@ -15,16 +8,85 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.dynamics import rigid_torque
+from puma_septic.dynamics import mass_matrix, rigid_torque
 from puma_septic.friction import friction_terms
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array
 
-__all__ = ["DROPS", "Path", "Slowing", "path_of", "slow_down", "stopping_trajectory"]
+__all__ = ["Path", "brake", "path_of", "slow_down", "stopping_trajectory"]
 
-DROPS: Final = 128
+_BRAKE_STEP: Final = 5e-4
+"""Step of a braked stop, s."""
+
+# An arm that moves longer than this is not held by its brakes.
+_LONGEST: Final = 5.0
+_SWEEPS: Final = 200
+# Changes of velocity below this part of the largest are solved.
+_SOLVED: Final = 1e-10
+
+
+class _Braking(NamedTuple):
+    """Samples of several rows, (n,), (n, n_rows, n_joints); durations (n_rows,), infinite where brakes do not hold."""
+
+    t: Array
+    q: Array
+    v: Array
+    durations: Array
+
+
+def brake(robot: Robot, q: Array, v: Array, torque: Array, reaction_time: float) -> _Braking:
+    """Let rows of arms, at q and v (n_rows, n_joints), come to rest under brakes of a torque (n_joints,)."""
+    h = _BRAKE_STEP
+    shape = (len(q), robot.n_joints)
+    samples_q, samples_v, times = [q], [v], [0.0]
+    durations = np.full(len(q), np.inf)
+    impulse = np.zeros(shape)
+    fastest = float(np.abs(v).max(initial=0.0))
+    for k in range(1, round(_LONGEST / h) + 1):
+        gripping = torque * ((k - 1) * h >= reaction_time * (1 - 1e-12))
+        new, impulse = _step(robot, q, v, h, gripping, impulse)
+        q, v = q + h / 2 * (v + new), new
+        fastest = max(fastest, float(np.abs(v).max()))
+        samples_q.append(q)
+        samples_v.append(v)
+        times.append(k * h)
+        # Once at rest under gripping brakes an arm stays so.
+        resting = (np.abs(v).max(axis=1) <= 1e-9 * max(fastest, 1e-9)) & bool((gripping == torque).all())
+        durations = np.where(resting & np.isinf(durations), k * h, durations)
+        if resting.all():
+            break
+    return _Braking(np.array(times), np.array(samples_q), np.array(samples_v), durations)
+
+
+def _step(robot: Robot, q: Array, v: Array, h: float, torque: Array, impulse: Array) -> tuple[Array, Array]:
+    """Velocities after a step, and the impulses of brakes and dry friction in it."""
+    inertia = mass_matrix(robot, q)
+    bias = rigid_torque(robot, q, v, np.zeros_like(q))
+    mobility = np.linalg.inv(inertia + h * np.diag(robot.viscous_friction))
+    free = np.einsum("rij,rj->ri", mobility, np.einsum("rij,rj->ri", inertia, v) - h * bias)
+    high, low = h * (torque + robot.coulomb_friction[:, 0]), h * (-torque + robot.coulomb_friction[:, 1])
+    impulse = np.clip(impulse, low, high)
+    new = free - np.einsum("rij,rj->ri", mobility, impulse)
+    scale = max(float(np.abs(free).max()), 1e-12)
+    for _ in range(_SWEEPS):
+        change = 0.0
+        for j in range(q.shape[1]):
+            own = mobility[:, j, j]
+            wanted = np.clip(impulse[:, j] + new[:, j] / own, low[j], high[j])
+            step = wanted - impulse[:, j]
+            impulse[:, j] = wanted
+            new = new - mobility[:, :, j] * step[:, None]
+            change = max(change, float(np.abs(step * own).max()))
+        if change <= _SOLVED * scale:
+            break
+    # A joint whose impulse is inside its bounds is held, to the rounding of the solver.
+    held = (impulse > low) & (impulse < high) & (np.abs(new) <= 10 * _SOLVED * scale)
+    return np.where(held, 0.0, new), impulse
+
+
+_DROPS: Final = 128
 """Into how many drops of the speed a stop is divided."""
 
 Path = Callable[[Array], tuple[Array, Array, Array]]
@@ -36,8 +98,8 @@ _LEAST: Final = 1e-4
 _NO_INERTIA: Final = 1e-12
 
 
-class Slowing(NamedTuple):
-    """Stops of several rows: s at the ends of the drops (DROPS + 1, n_rows), how long each takes (DROPS, n_rows).
+class _Slowing(NamedTuple):
+    """Stops of several rows: s at the ends of the drops (_DROPS + 1, n_rows), how long each takes (_DROPS, n_rows).
 
     ``is_possible`` (n_rows,) says whether the limits allow it all the way.
     """
@@ -58,14 +120,14 @@ def path_of(trajectory: Trajectory) -> Path:
     return at
 
 
-def slow_down(robot: Robot, path: Path, start: Array, limits: Array) -> Slowing:
+def slow_down(robot: Robot, path: Path, start: Array, limits: Array) -> _Slowing:
     """March all rows, which start at s (n_rows,), from r = 1 to rest."""
-    levels = np.linspace(1.0, 0.0, DROPS + 1)
-    s, lengths = np.empty((DROPS + 1, len(start))), np.empty((DROPS, len(start)))
+    levels = np.linspace(1.0, 0.0, _DROPS + 1)
+    s, lengths = np.empty((_DROPS + 1, len(start))), np.empty((_DROPS, len(start)))
     s[0] = start
     possible = np.ones(len(start), dtype=bool)
     bound, fits = _hardest(robot, path, s[0], 1.0, limits)
-    for k in range(DROPS):
+    for k in range(_DROPS):
         drop, mean = levels[k] - levels[k + 1], (levels[k] + levels[k + 1]) / 2
         rate = bound
         fits_ahead = fits
@@ -77,7 +139,7 @@ def slow_down(robot: Robot, path: Path, start: Array, limits: Array) -> Slowing:
         lengths[k] = drop / -np.minimum(rate, -_LEAST)
         s[k + 1] = s[k] + mean * lengths[k]
         bound, fits = ahead, fits_ahead
-    return Slowing(s, lengths, possible)
+    return _Slowing(s, lengths, possible)
 
 
 def _hardest(robot: Robot, path: Path, s: Array, r: float, limits: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -99,10 +161,10 @@ def _hardest(robot: Robot, path: Path, s: Array, r: float, limits: Array) -> tup
     return np.maximum(low, -1 / _LEAST), fits
 
 
-def stopping_trajectory(trajectory: Trajectory, slowing: Slowing, row: int, start: float) -> Trajectory:
+def stopping_trajectory(trajectory: Trajectory, slowing: _Slowing, row: int, start: float) -> Trajectory:
     """The motion from the beginning of the stop to rest, on its own clock from 0: ``q(s(t))``."""
     lengths, s = slowing.lengths[:, row], slowing.s[:, row]
-    levels = np.linspace(1.0, 0.0, DROPS + 1)
+    levels = np.linspace(1.0, 0.0, _DROPS + 1)
     times = np.concatenate([[0.0], np.cumsum(lengths)])
     powers = np.stack([s[:-1], levels[:-1] * lengths, np.diff(levels) * lengths / 2])[..., None]
     clock = Piecewise.from_power(times, powers)

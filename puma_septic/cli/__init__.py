@@ -32,11 +32,9 @@ from puma_septic.cli import (
     _size,
     _study,
 )
-from puma_septic.cli._blame import blamed
-from puma_septic.cli._faults import fault_text
-from puma_septic.cli._output_arguments import asked_units, check_out
+from puma_septic.cli._arguments import asked_units, check_out
+from puma_septic.cli._messages import blamed, fault_text, spelt
 from puma_septic.cli._parser import Command, parse
-from puma_septic.cli._spelling import spelt
 from puma_septic.cli._terminal import coloured, has_colour, terminal_width, waiting
 from puma_septic.errors import InputError, PumaSepticError
 

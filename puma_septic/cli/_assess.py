@@ -4,11 +4,19 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-from puma_septic.cli._numbers import share
-from puma_septic.cli._output_arguments import add_format, add_out, add_verbose, add_write
+from puma_septic.cli._arguments import (
+    add_dwell,
+    add_format,
+    add_out,
+    add_payload,
+    add_profile,
+    add_recording,
+    add_task,
+    add_verbose,
+    add_write,
+    share,
+)
 from puma_septic.cli._parser import Answer
-from puma_septic.cli._recording_arguments import add_recording
-from puma_septic.cli._task_arguments import add_dwell, add_payload, add_profile, add_task
 
 __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]
 

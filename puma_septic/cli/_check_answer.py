@@ -12,8 +12,8 @@ import numpy as np
 
 import puma_septic
 from puma_septic._version import __version__
+from puma_septic.cli._arguments import asked_robot
 from puma_septic.cli._parser import Answer
-from puma_septic.cli._task_arguments import asked_robot
 from puma_septic.cli._task_text import wrapped
 from puma_septic.document import SCHEMAS, records_csv, to_json
 from puma_septic.errors import InputError, NoSolution, PumaSepticError

@@ -5,10 +5,21 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from typing import TYPE_CHECKING
 
-from puma_septic.cli._output_arguments import add_format, add_out, add_verbose, asked_units, origin, with_report
+from puma_septic.cli._arguments import (
+    add_dwell,
+    add_format,
+    add_out,
+    add_payload,
+    add_profile,
+    add_recording,
+    add_task,
+    add_verbose,
+    asked_task,
+    asked_units,
+    origin,
+    with_report,
+)
 from puma_septic.cli._parser import UNDECIDED, Answer
-from puma_septic.cli._recording_arguments import add_recording
-from puma_septic.cli._task_arguments import add_dwell, add_payload, add_profile, add_task, asked_task
 
 if TYPE_CHECKING:
     from puma_septic.comparison import Comparison

@@ -4,10 +4,17 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-from puma_septic.cli._numbers import not_negative, positive
-from puma_septic.cli._output_arguments import add_format, add_out, add_verbose
+from puma_septic.cli._arguments import (
+    add_format,
+    add_out,
+    add_payload,
+    add_profile,
+    add_task,
+    add_verbose,
+    not_negative,
+    positive,
+)
 from puma_septic.cli._parser import Answer
-from puma_septic.cli._task_arguments import add_payload, add_profile, add_task
 
 __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]
 

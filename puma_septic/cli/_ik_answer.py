@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from puma_septic._version import __version__
+from puma_septic.cli._arguments import asked_robot, asked_task
 from puma_septic.cli._parser import Answer
-from puma_septic.cli._task_arguments import asked_robot, asked_task
 from puma_septic.cli._task_text import WIDTH, wrapped
 from puma_septic.document import SCHEMAS, records_csv
 from puma_septic.errors import InputError

@@ -8,8 +8,8 @@ from typing import Any
 
 from puma_septic._version import __version__
 from puma_septic.assessment import assess
+from puma_septic.cli._arguments import asked_task
 from puma_septic.cli._parser import UNDECIDED, Answer
-from puma_septic.cli._task_arguments import asked_task
 from puma_septic.document import SCHEMAS, to_json
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.limits import motion_limits

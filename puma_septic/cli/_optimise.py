@@ -9,10 +9,20 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from puma_septic.cli._numbers import count
-from puma_septic.cli._output_arguments import add_format, add_out, asked_units, origin, with_report
+from puma_septic.cli._arguments import (
+    add_dwell,
+    add_format,
+    add_out,
+    add_payload,
+    add_profile,
+    add_task,
+    asked_task,
+    asked_units,
+    count,
+    origin,
+    with_report,
+)
 from puma_septic.cli._parser import Answer
-from puma_septic.cli._task_arguments import add_dwell, add_payload, add_profile, add_task, asked_task
 
 if TYPE_CHECKING:
     from puma_septic.optimisation import LeastTime, OptimisedTimes, ParetoFront

@@ -9,10 +9,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from puma_septic.cli._output_arguments import add_force
+from puma_septic.cli._arguments import add_force, add_payload, add_profile, add_recording, add_task, asked_task
 from puma_septic.cli._parser import Answer
-from puma_septic.cli._recording_arguments import add_recording
-from puma_septic.cli._task_arguments import add_payload, add_profile, add_task, asked_task
 
 if TYPE_CHECKING:
     from puma_septic.assessment import Assessment

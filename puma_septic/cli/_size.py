@@ -4,12 +4,18 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-from puma_septic.cli._condition_arguments import add_conditions
-from puma_septic.cli._numbers import count
-from puma_septic.cli._output_arguments import add_format, add_out
+from puma_septic.cli._arguments import (
+    add_conditions,
+    add_dwell,
+    add_format,
+    add_out,
+    add_payload,
+    add_profile,
+    add_recording,
+    add_task,
+    count,
+)
 from puma_septic.cli._parser import Answer
-from puma_septic.cli._recording_arguments import add_recording
-from puma_septic.cli._task_arguments import add_dwell, add_payload, add_profile, add_task
 
 __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]
 

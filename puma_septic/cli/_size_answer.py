@@ -9,10 +9,8 @@ from typing import Any, Final, final
 
 from puma_septic._version import __version__
 from puma_septic.assessment import assess
-from puma_septic.cli._condition_arguments import CONDITIONS
-from puma_septic.cli._output_arguments import origin, with_report
+from puma_septic.cli._arguments import CONDITIONS, asked_task, origin, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
-from puma_septic.cli._task_arguments import asked_task
 from puma_septic.cli._task_text import wrapped
 from puma_septic.cycle import Cycle, Dwell
 from puma_septic.drives import (

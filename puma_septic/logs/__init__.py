@@ -2,8 +2,8 @@
 
 from puma_septic.logs._file import JointLog, read_csv_trajectory, read_log
 from puma_septic.logs._fit import FitResidual, LogFit, fit_log, fit_residual, fit_samples, fit_trajectory
+from puma_septic.logs._rests import stops
 from puma_septic.logs._spread import unresolved
-from puma_septic.logs._stops import stops
 
 __all__ = [
     "FitResidual", "JointLog", "LogFit", "fit_log", "fit_residual", "fit_samples", "fit_trajectory",

@@ -18,10 +18,9 @@ from scipy.linalg import solve_banded
 from puma_septic.errors import InputError
 from puma_septic.logs._breaks import find_breaks
 from puma_septic.logs._clock import even_stamps
-from puma_septic.logs._ends import Ends, EndsRule, ends_of
 from puma_septic.logs._file import JointLog
 from puma_septic.logs._noise import encoder_step, sample_noise
-from puma_septic.logs._rests import find_rests
+from puma_septic.logs._rests import Ends, EndsRule, ends_of, find_rests
 from puma_septic.logs._smoothing import Smoothed, even_knots, smooth_joint
 from puma_septic.logs._spline import (
     DEGREE,

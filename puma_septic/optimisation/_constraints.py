@@ -1,20 +1,31 @@
-"""By how much a motion exceeds what it must keep."""
+"""By how much a motion exceeds what it must keep, what the limits say to a result, and how it is worded."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from textwrap import wrap
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from puma_septic.assessment import LimitCheck, limit_checks, unknown_values
 from puma_septic.errors import InputError
 from puma_septic.objectives import Candidate
 from puma_septic.piecewise import Extrema
-from puma_septic.quantities import QUANTITIES
+from puma_septic.quantities import MOTION, QUANTITIES
 from puma_septic.robot import Robot
 from puma_septic.validation import Array, checked_array, checked_choice
 
-__all__ = ["Excess", "checked_quantities", "excess_function"]
+__all__ = [
+    "Excess",
+    "Verdict",
+    "checked_quantities",
+    "excess_function",
+    "known_quantities",
+    "verdict_of",
+]
 
 Excess = Callable[[Candidate], Array]
 
@@ -81,3 +92,119 @@ def _beyond(reach: Extrema, limit: Array) -> Array:
 def _known(excess: Array) -> Array:
     """An unknown limit is never exceeded."""
     return np.where(np.isnan(excess), -1.0, excess)
+
+
+# At one decimal, what is used by less than this reads as 100 %.
+_VISIBLE = 1.0005
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Verdict:
+    """A motion assessed in full, beside the limits that its search respected.
+
+    Attributes
+    ----------
+    respected : tuple of str
+        Quantities whose limits the search had to keep.
+    checks : tuple of LimitCheck
+        Every known limit, respected or not.
+    not_assessed : tuple of str
+        Limits that are not known, with the joints concerned.
+    joint_names : tuple of str
+    """
+
+    respected: tuple[str, ...]
+    checks: tuple[LimitCheck, ...]
+    not_assessed: tuple[str, ...]
+    joint_names: tuple[str, ...]
+
+    @property
+    def violations(self) -> tuple[LimitCheck, ...]:
+        """The limits that are violated, the worst first."""
+        violated = (check for check in self.checks if check.is_violated)
+        return tuple(sorted(violated, key=lambda check: -check.utilisation))
+
+    @property
+    def failures(self) -> tuple[LimitCheck, ...]:
+        """The violated limits among those that the search had to keep; a result of a search has none."""
+        return tuple(check for check in self.violations if check.quantity in self.respected)
+
+    @property
+    def is_feasible(self) -> bool:
+        """Whether no known limit is violated."""
+        return not self.violations
+
+    @property
+    def not_held(self) -> tuple[str, ...]:
+        """Each violated quantity once, with its joints: ``effort (joint2 at 109.7 %)``."""
+        return tuple(
+            f"{quantity} ({', '.join(_use(c) for c in self.violations if c.quantity == quantity)})"
+            for quantity in dict.fromkeys(check.quantity for check in self.violations)
+        )
+
+    def used(self, quantity: str) -> Array:
+        """Utilisation of the limits of a quantity, shape (n_joints,); NaN where there is none."""
+        use = {check.joint: check.utilisation for check in self.checks if check.quantity == quantity}
+        return np.array([use.get(name, np.nan) for name in self.joint_names])
+
+    @property
+    def statement(self) -> str:
+        """Limits respected, not held, not known."""
+        named = {"limits respected": self.respected or ("none",), "not held": self.not_held}
+        named["not assessed"] = self.not_assessed
+        return "; ".join(f"{label}: {', '.join(texts)}" for label, texts in named.items() if texts)
+
+    @property
+    def sentence(self) -> list[str]:
+        """The statement as lines of a text."""
+        return wrap(f"{self.statement[0].upper()}{self.statement[1:]}.", 100)
+
+    def to_dict(self) -> dict[str, Any]:
+        """A JSON-ready part of a document."""
+        return {
+            "is_feasible": self.is_feasible,
+            "respected": list(self.respected),
+            "not_held": list(self.not_held),
+            "not_assessed": list(self.not_assessed),
+        }
+
+
+def verdict_of(candidate: Candidate, respected: Iterable[str]) -> Verdict | None:
+    """The verdict on a motion; None where no robot is known. Without any inertia, all but effort is assessed."""
+    robot, trajectory = candidate.robot, candidate.trajectory
+    if robot is None:
+        return None
+    unknown = (line.partition(": ") for line in unknown_values(robot) if "limit" in line)
+    missing = [f"{what} ({why})" for what, _, why in unknown]
+    if robot.knows_torque.any():
+        checks = candidate.assessment.checks
+    else:  # which spares the torque
+        demands = {name: trajectory.peak(order) for order, name in enumerate(MOTION[1:], start=1)}
+        checks = limit_checks(robot, trajectory.extrema(0), demands)
+    if robot.missing_inertia:
+        missing.append(f"effort (no inertia is known beyond {', '.join(robot.missing_inertia)})")
+    return Verdict(
+        respected=tuple(name for name in QUANTITIES if name in set(respected)),
+        checks=checks,
+        not_assessed=tuple(missing),
+        joint_names=robot.joint_names,
+    )
+
+
+def known_quantities(robot: Robot | None) -> tuple[str, ...]:
+    """Quantities of which the robot has a limit for some joint; effort only where its torque can be computed."""
+    if robot is None:
+        return ()
+    limits = robot.limits
+    known = [name for name in QUANTITIES if not np.isnan(getattr(limits, name)).all()]
+    return tuple(name for name in known if QUANTITIES[name].signal == "position" or robot.knows_torque.any())
+
+
+def _use(check: LimitCheck) -> str:
+    if check.quantity == "position":
+        return f"{check.joint} {-check.margin:.4g} {check.unit} beyond its bound"
+    if check.utilisation == float("inf"):
+        return f"{check.joint} unbounded"
+    share = 100 * check.utilisation
+    return f"{check.joint} at " + (f"{share:.1f} %" if check.utilisation > _VISIBLE else f"100 % + {share - 100:.1g} %")

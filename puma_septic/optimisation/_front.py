@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from puma_septic.document import SCHEMAS, card, one_line, plain
 from puma_septic.errors import InputError
 from puma_septic.objectives import Candidate, Objective, checked_objectives, non_dominated
+from puma_septic.optimisation._constraints import Verdict
 from puma_septic.optimisation._problem import (
     Progress,
     Setting,
@@ -24,7 +25,6 @@ from puma_septic.optimisation._problem import (
 )
 from puma_septic.optimisation._search import KEPT, Found, search
 from puma_septic.optimisation._variables import MakeTrajectory
-from puma_septic.optimisation._verdict import Verdict
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, read_only

@@ -14,7 +14,13 @@ from puma_septic.document import SCHEMAS, card, one_line, plain
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.limit_check import AT_LIMIT
 from puma_septic.objectives import Candidate
-from puma_septic.optimisation._constraints import checked_quantities, excess_function
+from puma_septic.optimisation._constraints import (
+    Verdict,
+    checked_quantities,
+    excess_function,
+    known_quantities,
+    verdict_of,
+)
 from puma_septic.optimisation._problem import (
     Progress,
     best_kept,
@@ -26,7 +32,6 @@ from puma_septic.optimisation._problem import (
 from puma_septic.optimisation._proportions import Proportions
 from puma_septic.optimisation._search import COARSE, FINE, KEPT, Found
 from puma_septic.optimisation._variables import MakeTrajectory
-from puma_septic.optimisation._verdict import Verdict, known_quantities, verdict_of
 from puma_septic.quantities import COMMON, MOTION
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory

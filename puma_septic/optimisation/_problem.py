@@ -12,10 +12,9 @@ from numpy.typing import ArrayLike
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.objectives import Candidate, Objective
 from puma_septic.optimisation._analytic import best_free_values
-from puma_septic.optimisation._constraints import Excess, checked_quantities, excess_function
+from puma_septic.optimisation._constraints import Excess, Verdict, checked_quantities, excess_function, verdict_of
 from puma_septic.optimisation._search import COARSE, FINE, KEPT, Found, Problem, search
 from puma_septic.optimisation._variables import MakeTrajectory, Variables, checked_variables
-from puma_septic.optimisation._verdict import Verdict, verdict_of
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_number

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from puma_septic.document import SCHEMAS, card, one_line, plain
 from puma_septic.objectives import Objective, checked_objectives
 from puma_septic.optimisation._analytic import SQUARES, best_free_values, gradient_by_times
+from puma_septic.optimisation._constraints import Verdict
 from puma_septic.optimisation._problem import (
     Progress,
     Setting,
@@ -25,7 +26,6 @@ from puma_septic.optimisation._problem import (
 )
 from puma_septic.optimisation._search import COARSE, FINE, KEPT
 from puma_septic.optimisation._variables import MakeTrajectory
-from puma_septic.optimisation._verdict import Verdict
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array

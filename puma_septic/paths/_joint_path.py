@@ -16,12 +16,10 @@ from puma_septic.kinematics import (
     inverse_kinematics,
     singularity_distances,
 )
-from puma_septic.paths._branches import Branches, Guide
 from puma_septic.paths._differential import Follower
 from puma_septic.paths._fitting import fit_state
+from puma_septic.paths._following import Branches, Guide, beyond_limit, off_path, singular, track
 from puma_septic.paths._path import Path
-from puma_septic.paths._refusal import beyond_limit, off_path, singular
-from puma_septic.paths._tracking import track
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
 from puma_septic.validation import Array, checked_choice

@@ -15,8 +15,8 @@ import numpy as np
 
 from puma_septic.drives import Gearbox
 from puma_septic.piecewise import Piecewise
+from puma_septic.sizing._gearbox import weighted_power_mean
 from puma_septic.sizing._loads import JointLoad
-from puma_septic.sizing._means import weighted_power_mean
 
 __all__ = ["BearingLoad", "bearing_life", "bearing_load", "equivalent_load"]
 

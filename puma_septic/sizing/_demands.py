@@ -13,7 +13,6 @@ from puma_septic.piecewise import Piecewise
 from puma_septic.sizing._bearing import BearingLoad, bearing_load
 from puma_septic.sizing._brake import holding_torque, stop_energy
 from puma_septic.sizing._electric_motor import ElectricMotor
-from puma_septic.sizing._electrical import Regeneration, energies, regeneration
 from puma_septic.sizing._gearbox import (
     RULES,
     GearRule,
@@ -24,6 +23,7 @@ from puma_septic.sizing._gearbox import (
 )
 from puma_septic.sizing._loads import JointLoad, MotorLoad
 from puma_septic.sizing._torque_speed import torque_at_speed
+from puma_septic.sizing._winding import Regeneration, energies, regeneration
 from puma_septic.validation import Array
 
 __all__ = ["Demands", "Peak"]

@@ -11,10 +11,9 @@ import numpy as np
 from puma_septic.drives import Drivetrain
 from puma_septic.errors import NoSolution, PumaSepticError
 from puma_septic.piecewise import Piecewise
-from puma_septic.sizing._electrical import electric_power
 from puma_septic.sizing._loads import JointLoad, MotorLoad
 from puma_septic.sizing._thermal import steady_cycle, thermal_equation
-from puma_septic.sizing._winding import Winding
+from puma_septic.sizing._winding import Winding, electric_power
 
 __all__ = ["ElectricMotor"]
 

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final, final
 
 import numpy as np
 
+from puma_septic.assessment import assess
 from puma_septic.cycle import Cycle
 from puma_septic.drives import Drivetrain
 from puma_septic.errors import InputError
 from puma_septic.limit_check import LimitCheck
+from puma_septic.motion import Motion, compute_motion
+from puma_septic.profiles import quintic_segments
+from puma_septic.robot import Robot
 from puma_septic.sizing._checks import NotAssessed, Outcome, assess_joint
 from puma_septic.sizing._demands import Demands
 from puma_septic.sizing._load_features import LoadGrid, load_grid
 from puma_septic.sizing._loads import JointLoad, gearbox_load, joint_load, motor_load
 from puma_septic.validation import Array, checked_number
+from puma_septic.worst_case import worst_holding_torque
 
 __all__ = [
     "LIFE",
@@ -28,11 +33,42 @@ __all__ = [
     "joint_cases",
     "life_of_mix",
     "outcomes_of_cases",
+    "position_remarks",
     "shared_life",
     "shortest_cycle",
     "with_brakes",
     "worst_outcome",
+    "worst_poses",
 ]
+
+# A joint that holds less than this part of the largest torque, as one about an upright axis, has no worst pose.
+_HOLDS: Final = 1e-3
+_GAP: Final = 0.05
+
+
+def worst_poses(robot: Robot, duration: float) -> Iterator[tuple[str, Cycle]]:
+    """Each joint that gravity loads, and the arm held where that joint holds most within its limits.
+
+    Returns
+    -------
+    iterator of (str, Cycle)
+    """
+    worst = worst_holding_torque(robot, gap=_GAP)
+    for joint, pose, torque in zip(robot.joint_names, worst.poses, worst.attained, strict=True):
+        if torque > _HOLDS * worst.attained.max():
+            still = quintic_segments(np.array([pose, pose]), [0.0, duration], joint_names=robot.joint_names)
+            yield joint, Cycle(steps=(compute_motion(robot, still),))
+
+
+def position_remarks(cycle: Cycle) -> tuple[str, ...]:
+    """One remark that names the joints whose position limits a motion of the cycle violates; empty where none does."""
+    motions = [step for step in cycle.steps if isinstance(step, Motion)]
+    beyond = {check.joint for motion in motions for check in assess(motion).violations if check.quantity == "position"}
+    if not beyond:
+        return ()
+    names = ", ".join(name for name in cycle.joint_names if name in beyond)
+    return (f"whatever the drives, the motion itself violates the position limits of {names}",)
+
 
 LIFE: Final = "gearbox life"
 RARE_CHECKS: Final = frozenset(

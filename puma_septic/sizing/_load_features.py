@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from puma_septic.piecewise import Piecewise
-from puma_septic.sizing._electrical import energies
 from puma_septic.sizing._gearbox import average_load_torque
 from puma_septic.sizing._loads import JointLoad
 from puma_septic.sizing._ratios import LoadMoments, load_moments
+from puma_septic.sizing._winding import energies
 from puma_septic.validation import Array
 
 __all__ = ["LoadGrid", "load_grid", "merged_peaks"]

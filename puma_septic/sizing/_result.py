@@ -28,10 +28,10 @@ from puma_septic.sizing._load_cases import (
     joint_cases,
     life_of_mix,
     outcomes_of_cases,
+    position_remarks,
     with_brakes,
     worst_outcome,
 )
-from puma_septic.sizing._positions import position_remarks
 from puma_septic.sizing._supply import SUPPLY, SupplyLoad, supply_load
 from puma_septic.validation import Array, checked_choice, checked_number
 from puma_septic.views import sizing as view

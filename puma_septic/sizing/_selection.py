@@ -15,17 +15,71 @@ from puma_septic.document import SCHEMAS, frame, one_line, plain
 from puma_septic.drives import LEAST_SET, Catalogue
 from puma_septic.errors import InputError
 from puma_septic.sizing._candidates import Candidate
-from puma_septic.sizing._common_size import with_common_sizes
 from puma_septic.sizing._conditions import Conditions
 from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_drivetrains
 from puma_septic.sizing._joint_selection import RANKS, JointSelection, Rank, select_joint
-from puma_septic.sizing._load_cases import LoadCase, joint_cases
-from puma_septic.sizing._positions import position_remarks
+from puma_septic.sizing._load_cases import LoadCase, joint_cases, position_remarks
 from puma_septic.sizing._result import Sizing, case_document, sized
 from puma_septic.validation import checked_choice
 from puma_septic.views import selection as view
 
-__all__ = ["Selection", "checked_rank", "select"]
+__all__ = [
+    "Selection",
+    "checked_rank",
+    "select",
+]
+
+
+def _with_common_sizes(
+    joints: Sequence[JointSelection], groups: Sequence[Sequence[str]], *, rank: Rank
+) -> tuple[tuple[JointSelection, ...], tuple[str, ...]]:
+    """The joints, those of each group with the same pair first; and what is said of it.
+
+    A wish: where no pair is strong enough at all joints of a group, each keeps its own.
+
+    Returns
+    -------
+    tuple of JointSelection, tuple of str
+    """
+    names, chosen, notes = [one.joint for one in joints], list(joints), []
+    for group in groups:
+        places = [names.index(checked_choice("joint", name, names)) for name in group]
+        best = _best_common([joints[j] for j in places], rank)
+        who = ", ".join(group)
+        if best is None:
+            notes.append(f"no pair is strong enough at all of {who}: each has its own")
+            continue
+        for j in places:
+            chosen[j] = _with_first(chosen[j], best)
+        candidate = chosen[places[0]].kept[0]
+        notes.append(f"one size for {who}: {candidate.motor} with {candidate.gearbox}")
+    return tuple(chosen), tuple(notes)
+
+
+def _best_common(group: list[JointSelection], rank: Rank) -> int | None:
+    """Number of the pair of least mass or cost, then of least use at the joint where it is used most."""
+    catalogue = group[0].catalogue
+    rows = np.flatnonzero(np.all([one.is_feasible for one in group], axis=0))
+    if not len(rows):
+        return None
+    values = np.zeros(len(rows))
+    if rank != "margin":
+        values = np.nan_to_num((catalogue.masses() if rank == "mass" else catalogue.costs())[rows], nan=np.inf)
+    least = np.max([one.utilisation[rows] for one in group], axis=0)
+    best: tuple[float, float, int] | None = None
+    for i in np.lexsort((rows, least, values)).tolist():
+        if best is not None and (values[i], least[i]) > best[:2]:
+            break
+        k = int(rows[i])
+        found = (float(values[i]), max(one.assessed(k).stress for one in group), k)
+        best = found if best is None else min(best, found)
+    return None if best is None else best[2]
+
+
+def _with_first(one: JointSelection, k: int) -> JointSelection:
+    first = one.assessed(k)
+    others = [c for c in one.kept if (c.motor, c.gearbox) != (first.motor, first.gearbox)]
+    return replace(one, kept=(first, *others)[: max(1, len(one.kept))])
 
 
 @final
@@ -221,7 +275,7 @@ def select(
         select_joint(joint_cases(cases, j), catalogue, j, rank=rank, keep=keep, places=given, conditions=asked)
         for j in range(len(names))
     ]
-    chosen, notes = with_common_sizes(joints, same, rank=rank)
+    chosen, notes = _with_common_sizes(joints, same, rank=rank)
     return Selection(load_cases=cases, catalogue=catalogue, rank=rank, joints=chosen, conditions=asked, notes=notes)
 
 

@@ -17,7 +17,7 @@ from puma_septic.limit_check import Kind, LimitCheck
 from puma_septic.piecewise import Piecewise
 from puma_septic.sizing._checks import NotAssessed, Outcome
 from puma_septic.sizing._demands import Demands, Peak
-from puma_septic.sizing._electrical import Regeneration, energies, regeneration
+from puma_septic.sizing._winding import Regeneration, energies, regeneration
 from puma_septic.validation import Array, checked_number
 
 __all__ = ["SUPPLY", "SupplyLoad", "supply_load"]

@@ -13,10 +13,9 @@ from puma_septic.drives import Supply
 from puma_septic.errors import InputError
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.robot import Payload, Robot
+from puma_septic.sizing._brake import worst_stops
 from puma_septic.sizing._conditions import Conditions
-from puma_septic.sizing._emergency_stop import worst_stops
-from puma_septic.sizing._load_cases import LoadCase
-from puma_septic.sizing._worst_poses import worst_poses
+from puma_septic.sizing._load_cases import LoadCase, worst_poses
 from puma_septic.task import ConditionsSection, LoadCaseSection, ResolvedCycle, ResolvedTask, load_task, resolve_task
 
 __all__ = ["conditions_of", "cycle_case", "load_cases_of"]

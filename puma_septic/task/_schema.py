@@ -21,13 +21,13 @@ from puma_septic.task._fields import (
     PayloadSection,
     PerJoint,
     Positive,
+    ProfileChoice,
     RobotSource,
     Section,
     Text,
     Vector,
     fault,
 )
-from puma_septic.task._profile_choice import ProfileChoice
 from puma_septic.task._steps import MoveDefaults, Step, check_steps
 
 __all__ = ["BodySection", "Point", "Task"]

@@ -17,13 +17,13 @@ from puma_septic.task._fields import (
     WORD,
     PayloadSection,
     Positive,
+    ProfileChoice,
     Section,
     Text,
     Vector,
     fault,
     shortened,
 )
-from puma_septic.task._profile_choice import ProfileChoice
 
 __all__ = ["DwellStep", "GripStep", "Move", "MoveDefaults", "Step", "check_steps"]
 

@@ -12,7 +12,7 @@ from helpers.schemas import assert_documented
 from helpers.urdf_texts import ARM, INERTIAL
 
 from puma_septic.cli import main
-from puma_septic.cli._spelling import spelt
+from puma_septic.cli._messages import spelt
 from puma_septic.report.folder import file_names
 
 TASK = """name: move

@@ -11,7 +11,7 @@ from helpers.duty import paper_motion
 
 import puma_septic as ps
 from puma_septic.dynamics import joint_wrenches
-from puma_septic.sizing._means import weighted_power_mean
+from puma_septic.sizing._gearbox import weighted_power_mean
 
 # What the fit of the wrench leaves of the torque's own.
 FITTED = 1e-9

@@ -296,7 +296,7 @@ def test_an_emergency_stop_asks_for_what_inertia_does(tmp_path: Path) -> None:
     """A pendulum of 2 kg at 0.5 m from 1 rad/s within 0.1 s about a vertical axis would ask for m r^2 v / T = 5 N m."""
     arm = pendulum(tmp_path, gravity=(0.0, 0.0, 0.0))
     move = ps.profiles.linear([[0.0], [2.0]], [0.0, 2.0], joint_names=arm.joint_names)
-    from puma_septic.sizing._emergency_stop import worst_stops
+    from puma_septic.sizing._brake import worst_stops
 
     ((joint, _, stop),) = worst_stops(ps.compute_motion(arm, move), 0.1)
     assert joint == "swing"
@@ -309,7 +309,7 @@ def test_an_emergency_stop_asks_for_what_inertia_does(tmp_path: Path) -> None:
 
 def test_the_worst_pose_holds_what_the_certified_bound_says() -> None:
     """2.5 kg more at the stretched PUMA's wrist: `worst_holding_torque` has the torque and the pose."""
-    from puma_septic.sizing._worst_poses import worst_poses
+    from puma_septic.sizing._load_cases import worst_poses
 
     robot = ps.load_robot().with_payload(ps.Payload(mass=2.5))
     worst = ps.worst_holding_torque(robot, gap=0.05)

@@ -10,8 +10,8 @@ from helpers.duty import paper_motion
 from scipy.interpolate import RegularGridInterpolator
 
 import puma_septic as ps
-from puma_septic.sizing._gear_losses import gear_loss
 from puma_septic.sizing._gearbox import RULES, allowed_rare_peaks, lives
+from puma_septic.sizing._loads import gear_loss
 
 # A sum over two hundred thousand samples.
 SAMPLED = 1e-6

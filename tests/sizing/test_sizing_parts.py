@@ -12,10 +12,10 @@ from scipy.optimize import minimize_scalar
 import puma_septic as ps
 from puma_septic.errors import NoSolution
 from puma_septic.piecewise import Piecewise
-from puma_septic.sizing._electrical import regeneration
 from puma_septic.sizing._gearbox import expected_life
 from puma_septic.sizing._thermal import heating, overload_time, steady_cycle, thermal_equation
 from puma_septic.sizing._torque_speed import largest_ratio
+from puma_septic.sizing._winding import regeneration
 
 # Closed forms of a few operations: what differs is rounding, some hundred times.
 EXACT = 1e-12

@@ -18,11 +18,11 @@ from puma_septic.cli import main
 from puma_septic.errors import NoSolution, PumaSepticError
 from puma_septic.limit_check import LimitCheck, most_used_first
 from puma_septic.piecewise import Piecewise
-from puma_septic.sizing._electrical import regeneration
 from puma_septic.sizing._gearbox import expected_life
 from puma_septic.sizing._joint_selection import select_joint
 from puma_septic.sizing._load_cases import JointCase
 from puma_septic.sizing._thermal import steady_cycle, thermal_equation
+from puma_septic.sizing._winding import regeneration
 
 RESISTANCES, CONSTANTS = np.array([1.5, 3.0]), np.array([20.0, 600.0])
 

@@ -1,0 +1,412 @@
+"""Arguments that commands share: tasks, robots, recordings, conditions, forms of output. Standard library alone."""
+
+from __future__ import annotations
+
+import math
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+__all__ = [
+    "CONDITIONS",
+    "add_conditions",
+    "add_dwell",
+    "add_force",
+    "add_format",
+    "add_out",
+    "add_payload",
+    "add_profile",
+    "add_recording",
+    "add_robot",
+    "add_task",
+    "add_verbose",
+    "add_write",
+    "asked_robot",
+    "asked_task",
+    "asked_units",
+    "check_out",
+    "count",
+    "finite",
+    "not_negative",
+    "origin",
+    "positive",
+    "share",
+    "with_report",
+]
+
+
+def finite(text: str) -> float:
+    """A finite number."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ArgumentTypeError(f"{text!r} is not a finite number")
+    return value
+
+
+def not_negative(text: str) -> float:
+    """A finite number from 0."""
+    value = finite(text)
+    if not value >= 0:
+        raise ArgumentTypeError(f"{text} is negative")
+    return value
+
+
+def positive(text: str) -> float:
+    """A finite number above 0."""
+    value = finite(text)
+    if not value > 0:
+        raise ArgumentTypeError(f"{text} is not positive")
+    return value
+
+
+def share(text: str) -> float:
+    """A number from 0 to 1."""
+    value = finite(text)
+    if not 0 <= value <= 1:
+        raise ArgumentTypeError(f"{text} is not between 0 and 1")
+    return value
+
+
+def count(text: str) -> int:
+    """A whole number from 1."""
+    if not (text.isdecimal() and int(text) > 0):
+        raise ArgumentTypeError(f"{text!r} is not a whole number from 1")
+    return int(text)
+
+
+# Options that mean nothing without --csv.
+_RECORDING = ("columns", "units", "repeated", "smoothing", "resolution", "ends", "max_gap")
+
+
+def add_recording(parser: ArgumentParser) -> None:
+    """A CSV file instead of TASK, and how it is to be read."""
+    group = parser.add_argument_group("recorded motion, instead of TASK")
+    group.add_argument(
+        "--csv", metavar="FILE", help="CSV file: a header, then rows with the time (s) and each joint position (rad, m)"
+    )
+    group.add_argument(
+        "--columns",
+        action="append",
+        type=_columns,
+        metavar="NAME=COLUMN,...",
+        help="column of time, JOINT, JOINT.velocity, JOINT.effort or JOINT.current, with its unit in brackets:"
+        " time=stamp[ms],joint1=q1[deg] (repeatable)",
+    )
+    group.add_argument(
+        "--units", type=_list, metavar="UNIT,...", help="units of columns that state none: deg, ms, us, ns, mm, ..."
+    )
+    group.add_argument(
+        "--repeated", choices=("refuse", "average"), help="rows with equal time stamps (default: refuse)"
+    )
+    group.add_argument(
+        "--smoothing",
+        type=_smoothing,
+        metavar="auto|RAD",
+        help="auto: smoothing from the noise of the samples; RAD: maximum RMS residual of a smoothing spline; omit to"
+        " interpolate",
+    )
+    group.add_argument(
+        "--resolution",
+        type=positive,
+        metavar="RAD",
+        help="travel below which a joint is at rest (default: from the noise)",
+    )
+    group.add_argument(
+        "--ends",
+        choices=("auto", "rest", "moving"),
+        help="whether the motion starts and ends at rest (default: auto, from the samples)",
+    )
+    group.add_argument(
+        "--max-gap", type=positive, metavar="S", help="maximum sampling gap (default: 10 times the median)"
+    )
+
+
+def _columns(text: str) -> dict[str, str]:
+    pairs = [part.partition("=") for part in text.split(",")]
+    if not all(name.strip() and equals and column.strip() for name, equals, column in pairs):
+        raise ArgumentTypeError(f"{text!r} is not NAME=COLUMN,...")
+    return {name.strip(): column.strip() for name, _, column in pairs}
+
+
+def _list(text: str) -> list[str]:
+    return [part.strip() for part in text.split(",") if part.strip()]
+
+
+def _smoothing(text: str) -> str | float:
+    return "auto" if text == "auto" else positive(text)
+
+
+# Keys of a task's section of conditions that are one number, and what they are.
+_NUMBERS = {
+    "cycles_per_minute": (positive, "N", "cycle rate: what the moves leave of the time is rest"),
+    "ambient_celsius": (finite, "C", "temperature of the surroundings (default: 40)"),
+    "altitude": (positive, "M", "above sea level"),
+    "bus_voltage": (positive, "V", "that reaches the motors"),
+    "continuous_current": (positive, "A", "of each drive, in the measure of the torque constants"),
+    "peak_current": (positive, "A", "of each drive, for a short time"),
+    "continuous_power": (positive, "W", "that each drive can deliver, on average"),
+    "peak_power": (positive, "W", "that each drive can deliver for a short time"),
+    "brake_resistor_power": (positive, "W", "that each brake resistor bears"),
+    "momentary_torque": (positive, "NM", "of a collision, at the gearboxes' outputs"),
+    "required_life_hours": (positive, "H", "that the gearboxes are to last"),
+    "max_inertia_ratio": (positive, "X", "largest ratio of load to rotor inertia that is accepted"),
+}
+CONDITIONS = (*_NUMBERS, "brake_at_rest", "margins", "own_masses")
+"""The options that replace what a task's section `conditions` says."""
+
+
+def add_conditions(parser: ArgumentParser) -> None:
+    """An option for each condition."""
+    group = parser.add_argument_group("conditions", "in place of those of the task")
+    for name, (kind, metavar, meaning) in _NUMBERS.items():
+        group.add_argument(f"--{name.replace('_', '-')}", type=kind, metavar=metavar, help=meaning)
+    group.add_argument(
+        "--brake-at-rest", action="store_true", default=None, help="brakes hold the arm while it rests, not the motors"
+    )
+    group.add_argument(
+        "--margin",
+        dest="margins",
+        action="append",
+        type=_margin,
+        metavar="SHARE",
+        help="what must be left of each limit, such as 0.2; or of one check, 'gearbox life=0.1' (repeatable)",
+    )
+    group.add_argument(
+        "--supply-current",
+        type=positive,
+        metavar="A",
+        help="that the bus of the whole arm can deliver, at --bus-voltage",
+    )
+    group.add_argument("--supply-power", type=positive, metavar="W", help="that the bus of the whole arm can deliver")
+    group.add_argument(
+        "--own-masses", nargs="+", type=not_negative, metavar="KG",
+        help="with --masses: of the drives that the robot's model includes already, one for each joint",
+    )  # fmt: skip
+
+
+def _margin(text: str) -> tuple[str, float]:
+    name, equals, value = text.rpartition("=")
+    if equals and not name.strip():
+        raise ArgumentTypeError(f"{text!r} is not SHARE or CHECK=SHARE")
+    return (name.strip() or "all", share(value))
+
+
+if TYPE_CHECKING:
+    from puma_septic.views.units import Units
+
+
+def add_format(parser: ArgumentParser, *formats: str) -> None:
+    """``--format``, the first one by default, and ``--show-in``."""
+    parser.add_argument("--format", choices=formats, default=formats[0], help=f"output format (default: {formats[0]})")
+    parser.add_argument(
+        "--show-in",
+        type=_names,
+        default=(),
+        metavar="UNIT,...",
+        help="deg: angles in degrees; rpm: joint speeds in revolutions per minute; in text, tables and charts (JSON and"
+        " CSV stay in SI units)",
+    )
+
+
+def add_out(parser: ArgumentParser, files: str) -> None:
+    """``--out``, the folder that the named files go to, and ``--force``."""
+    parser.add_argument("--out", metavar="DIR", help=f"write {files} into a new or empty folder")
+    add_force(parser, "--out")
+    parser.add_argument("--no-png", action="store_true", help="with --out: no PNG figures, which take seconds")
+
+
+def add_verbose(
+    parser: ArgumentParser, more: str = "tables of the joints and remarks; -vv: all of each profile"
+) -> None:
+    """``-v``, counted."""
+    parser.add_argument("-v", "--verbose", action="count", default=0, help=more)
+
+
+def check_out(arguments: Namespace) -> None:
+    """Refuse what goes with ``--out`` without it."""
+    from puma_septic.errors import InputError
+
+    if getattr(arguments, "no_png", False) and arguments.out is None:
+        raise InputError("--no-png goes with --out: name the folder to write into")
+
+
+def with_report(text: str, arguments: Namespace) -> str:
+    """The text for a person and, as its last line, where the report was written."""
+    if arguments.out is None or arguments.format != "text":
+        return text
+    return f"{text}\n\nReport: {Path(arguments.out) / 'report.html'}"
+
+
+def add_force(parser: ArgumentParser, option: str) -> None:
+    """``--force``, without which nothing is overwritten."""
+    parser.add_argument("--force", action="store_true", help=f"with {option}: replace files that exist")
+
+
+def add_write(parser: ArgumentParser, what: str) -> None:
+    """``--write``, the file that a motion goes to."""
+    parser.add_argument(
+        "--write",
+        metavar="FILE",
+        help=f"write {what} as a ROS JointTrajectory (.yaml, .json), which check reads; --force replaces a file",
+    )
+
+
+def asked_units(arguments: Namespace) -> Units:
+    """Of ``--show-in``."""
+    from puma_septic.errors import InputError
+    from puma_septic.views.units import Units
+
+    try:
+        return Units.named(getattr(arguments, "show_in", ()))
+    except InputError as error:
+        raise InputError(f"--show-in: {error}") from error
+
+
+def origin(arguments: Namespace) -> dict[str, str]:
+    """Where a report comes from: date, command line, file and versions."""
+    import platform
+    import shlex
+    from datetime import datetime
+    from importlib.metadata import version
+
+    from puma_septic._version import __version__
+
+    file = getattr(arguments, "csv", None) or getattr(arguments, "task", None)
+    libraries = ", ".join(f"{name} {version(name)}" for name in ("pin", "numpy", "scipy"))
+    return {
+        "made": datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z"),
+        "command": shlex.join(["puma-septic", *getattr(arguments, "typed", ())]),
+        **({"file": str(file)} if file else {}),
+        "with": f"puma-septic {__version__}, Python {platform.python_version()}, {libraries}",
+    }
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(part.strip() for part in text.split(",") if part.strip())
+
+
+if TYPE_CHECKING:
+    from puma_septic.task import Task
+
+
+def add_task(parser: ArgumentParser) -> None:
+    """The task and what replaces parts of it, the same for every command that takes one."""
+    parser.add_argument(
+        "task",
+        nargs="?",
+        metavar="TASK",
+        help="a task file (.yaml), or a built-in task such as 'paper' or 'paper-turned'",
+    )
+    add_robot(parser)
+    parser.add_argument("--branch", metavar="NAME", help="branch of the inverse kinematics, or 'auto'")
+
+
+def add_robot(parser: ArgumentParser, *, required: bool = False, is_positional: bool = False) -> None:
+    """The robot and what it is made of."""
+    which = "the robot" if required or is_positional else "another robot"
+    meaning = f"{which}: a .urdf file, or a name such as 'ur5' (puma-septic robot --list)"
+    if is_positional:
+        parser.add_argument("robot", nargs="?", metavar="ROBOT", help=meaning)
+    else:
+        parser.add_argument("--robot", metavar="ROBOT", required=required, help=meaning)
+    parser.add_argument("--actuators", metavar="FILE", help="its actuator file")
+    parser.add_argument("--parameters", metavar="NAME", help="set of drive parameters, such as rtb or akb")
+    parser.add_argument("--limits", metavar="NAME", help="set of limits, such as corke, akb or benchmark")
+    parser.add_argument("--tool", metavar="FRAME", help="frame that is positioned and that carries the payload")
+    parser.add_argument(
+        "--lock",
+        action="append",
+        type=_locked,
+        metavar="JOINT=POSITION",
+        help="lock a joint at this position (rad; m if prismatic; repeatable)",
+    )
+    parser.add_argument("--lock-others", action="store_true", help="lock every joint that does not carry the tool")
+    parser.add_argument(
+        "--package-dir",
+        action="append",
+        metavar="DIR",
+        help="folder of ROS packages, a package or a workspace, to find meshes in (repeatable)",
+    )
+
+
+def add_payload(parser: ArgumentParser) -> None:
+    """``--payload``."""
+    parser.add_argument("--payload", type=not_negative, metavar="KG", help="a point mass at the tool's origin")
+
+
+def add_dwell(parser: ArgumentParser) -> None:
+    """``--dwell``."""
+    parser.add_argument(
+        "--dwell", type=not_negative, metavar="S", help="rest after each motion, included in RMS values"
+    )
+
+
+def add_profile(parser: ArgumentParser, meaning: str) -> None:
+    """``--profile``, given once or several times."""
+    parser.add_argument("--profile", action="append", metavar="NAME", help=meaning)
+
+
+def asked_task(arguments: Namespace, default: str, *, profiles: Sequence[str] | None = None) -> Task:
+    """The named task, else the default one, with the options' replacements.
+
+    Another robot replaces the whole section ``robot``; its parameters, limits and tool would not fit.
+    """
+    from puma_septic.errors import InputError
+    from puma_septic.task import load_task, make_task
+
+    for name in _RECORDING:
+        if getattr(arguments, name, None) is not None:
+            raise InputError(f"--{name.replace('_', '-')} goes with --csv")
+    task = load_task(arguments.task if arguments.task is not None else default)
+    document = task.document()
+    changes: dict[str, Any] = {"robot": asked_robot(arguments, document.get("robot", {}))}
+    if arguments.branch is not None:
+        changes["branch"] = arguments.branch
+    if getattr(arguments, "payload", None) is not None:
+        changes["payload"] = {"mass": arguments.payload}
+    if getattr(arguments, "dwell", None) is not None:
+        changes["dwell"] = arguments.dwell
+    if profiles and task.cycle:
+        raise InputError(f"--profile does not go with a cycle: in {task.origin} each move has its own")
+    if profiles:
+        given = document["profiles"]
+        changes["profiles"] = [
+            choice for name in profiles for choice in [one for one in given if one["name"] == name] or [{"name": name}]
+        ]
+    return make_task({**document, **changes}, origin=task.origin)
+
+
+def asked_robot(arguments: Namespace, given: dict[str, Any]) -> dict[str, Any]:
+    """The section ``robot`` with the options' replacements."""
+    robot: dict[str, Any] = {"source": _path(arguments.robot)} if arguments.robot else dict(given)
+    if arguments.actuators:
+        robot["actuators"] = str(Path(arguments.actuators).absolute())
+    for key in ("parameters", "limits", "tool"):
+        if getattr(arguments, key) is not None:
+            robot[key] = getattr(arguments, key)
+    if arguments.lock or arguments.lock_others:
+        before = robot.get("locked", {})
+        others = {"others": None} if arguments.lock_others or before == "others" else {}
+        robot["locked"] = {**({} if before == "others" else before), **dict(arguments.lock or ()), **others}
+    if arguments.package_dir:
+        folders = [str(Path(folder).absolute()) for folder in arguments.package_dir]
+        robot["package_dirs"] = [*robot.get("package_dirs", []), *folders]
+    return robot
+
+
+def _path(source: str) -> str:
+    """A path is relative to the caller's folder, a name stays a name."""
+    from puma_septic.robot import is_robot_path
+
+    return str(Path(source).absolute()) if is_robot_path(source) else source
+
+
+def _locked(text: str) -> tuple[str, float]:
+    joint, equals, position = text.rpartition("=")
+    if not (joint and equals):
+        raise ArgumentTypeError(f"{text!r} is not JOINT=POSITION")
+    return joint, finite(position)

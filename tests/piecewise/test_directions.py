@@ -196,7 +196,7 @@ def test_a_dwell_counts_with_its_holding_torque(puma: ps.Robot) -> None:
     move = ps.quintic_segments(points, [0.0, 6.0])
     moving, resting = ps.assess(puma, move), ps.assess(puma, move, dwell=60.0)
     held = ps.inverse_dynamics(puma, points[1], np.zeros(6), np.zeros(6))
-    np.testing.assert_allclose(resting.holding_torque, held)
+    np.testing.assert_allclose(resting.holding_torque, held, rtol=1e-12, atol=1e-12)
     assert moving.peak_torque[1] < abs(held[1])
     assert resting.peak_torque[1] == pytest.approx(abs(held[1]))
     assert resting.peak_torque_time[1] == 6.0

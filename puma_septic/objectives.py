@@ -15,6 +15,7 @@ from puma_septic.assessment import Assessment, assess
 from puma_septic.dynamics import check_inertia
 from puma_septic.errors import InputError
 from puma_septic.motion import Motion, compute_motion
+from puma_septic.paths import ToolLimits
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
@@ -48,12 +49,15 @@ class Candidate:
         Rest before the cycle repeats, in the root mean squares, s.
     floor : float or None
         Height that the arm must stay above, m.
+    tool_limits : ToolLimits or None
+        What the tool may do at most.
     """
 
     trajectory: Trajectory
     robot: Robot | None = None
     dwell: float = 0.0
     floor: float | None = None
+    tool_limits: ToolLimits | None = None
 
     @cached_property
     def motion(self) -> Motion:
@@ -71,7 +75,7 @@ class Candidate:
     @cached_property
     def assessment(self) -> Assessment:
         """The motion checked against its limits."""
-        return assess(self.motion, dwell=self.dwell, floor=self.floor)
+        return assess(self.motion, dwell=self.dwell, floor=self.floor, tool_limits=self.tool_limits)
 
 
 @final

@@ -3,7 +3,7 @@
 from puma_septic.assessment._assessment import Assessment, assess
 from puma_septic.assessment._joints import impulses
 from puma_septic.assessment._limits import limit_checks, unknown_values
-from puma_septic.assessment._tool import LowestPoint, SingularityReport, ToolMetrics, height_series
+from puma_septic.assessment._tool import LowestPoint, SingularityReport, ToolMetrics, height_series, lowest_point
 from puma_septic.limit_check import LimitCheck
 
 __all__ = [
@@ -16,5 +16,6 @@ __all__ = [
     "height_series",
     "impulses",
     "limit_checks",
+    "lowest_point",
     "unknown_values",
 ]

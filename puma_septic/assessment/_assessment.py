@@ -112,7 +112,7 @@ class Assessment:
     @cached_property
     def lowest(self) -> LowestPoint:
         """Where joints and tool are lowest along the motion, between its points too: exact, from series of height."""
-        return lowest_point(self.motion)
+        return lowest_point(self.motion.robot, self.motion.trajectory)
 
     @cached_property
     def floor_check(self) -> LimitCheck | None:

@@ -77,17 +77,16 @@ class LowestPoint:
         return LimitCheck.of_height(part=self.part, height=self.height, floor=floor, time=self.time)
 
 
-def height_series(motion: Motion) -> Piecewise:
+def height_series(robot: Robot, trajectory: Trajectory) -> Piecewise:
     """Heights of `height_parts` as functions of time, m: to rounding, as each is smooth in the joint positions."""
-    robot = motion.robot
-    return motion.trajectory.derivative(0).mapped(lambda q: heights(robot, q))
+    return trajectory.derivative(0).mapped(lambda q: heights(robot, q))
 
 
-def lowest_point(motion: Motion) -> LowestPoint:
+def lowest_point(robot: Robot, trajectory: Trajectory) -> LowestPoint:
     """The least of the minima of all parts' series; of parts that come as low, the first one."""
-    extrema = height_series(motion).extrema()
+    extrema = height_series(robot, trajectory).extrema()
     k = int(np.argmax(extrema.min <= extrema.min.min() + _SAME))
-    return LowestPoint(height=float(extrema.min[k]), time=float(extrema.t_min[k]), part=height_parts(motion.robot)[k])
+    return LowestPoint(height=float(extrema.min[k]), time=float(extrema.t_min[k]), part=height_parts(robot)[k])
 
 
 @final

@@ -146,6 +146,7 @@ def _compared(resolved: ResolvedTask, arguments: Namespace) -> Comparison:
         options=options,
         dwell=resolved.task.dwell,
         floor=resolved.task.floor,
+        tool_limits=resolved.tool_limits,
         own=[choice.name for choice in resolved.task.profiles],
         **objectives,
     )

@@ -27,9 +27,10 @@ def answer(arguments: Namespace) -> Answer:
     """Limits of each profile of the asked task."""
     resolved = resolve_task(asked_task(arguments, "paper-turned", profiles=arguments.profile))
     motions = [compute_motion(resolved.robot, trajectory) for trajectory in resolved.trajectories]
-    assessments = [assess(motion) for motion in motions]
+    floor, tool_limits = resolved.task.floor, resolved.tool_limits
+    assessments = [assess(motion, floor=floor, tool_limits=tool_limits) for motion in motions]
     labels = profile_labels(assessments)
-    found = [motion_limits(motion, com=arguments.com) for motion in motions]
+    found = [motion_limits(motion, com=arguments.com, floor=floor, tool_limits=tool_limits) for motion in motions]
     document: dict[str, Any] = {
         "schema": SCHEMAS["limits"],
         "version": __version__,

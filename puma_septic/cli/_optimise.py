@@ -233,6 +233,8 @@ def _optimised(resolved: ResolvedTask, arguments: Namespace, progress: Any) -> R
     common = {
         "robot": resolved.robot,
         "dwell": resolved.task.dwell,
+        "floor": resolved.task.floor,
+        "tool_limits": resolved.tool_limits,
         "max_overshoot": arguments.max_overshoot,
         "free": arguments.free,
         "seed": arguments.seed,

@@ -11,6 +11,7 @@ from puma_septic.comparison._advice import make_profiles
 from puma_septic.comparison._comparison import ComparedProfile, Comparison
 from puma_septic.errors import InputError
 from puma_septic.objectives import Candidate, checked_objectives
+from puma_septic.paths import ToolLimits
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import checked_array, checked_number, checked_times
@@ -28,6 +29,7 @@ def compare(
     beside: Mapping[str, Trajectory] | None = None,
     dwell: float = 0.0,
     floor: float | None = None,
+    tool_limits: ToolLimits | None = None,
     objectives: Sequence[str] = ("integral_of_squared_jerk", "overshoot", "via_miss"),
     own: Sequence[str] = (),
 ) -> Comparison:
@@ -51,6 +53,8 @@ def compare(
         Rest after the motion, in the root mean squares, s.
     floor : float, optional
         Height above the base that the arm must stay above, m.
+    tool_limits : ToolLimits, optional
+        What the tool may do at most.
     objectives : sequence of str
         By which Pareto-optimal profiles are marked, and by the first of which the advice is given; names as in
         `puma_septic.objectives.OBJECTIVES`.
@@ -88,7 +92,7 @@ def compare(
         reasons = "; ".join(f"{name}: {reason}" for name, reason in unsuitable.items())
         raise InputError(f"no profile suits these points and times: {reasons}")
     candidates = {
-        name: Candidate(trajectory=trajectory, robot=robot, dwell=dwell, floor=floor)
+        name: Candidate(trajectory=trajectory, robot=robot, dwell=dwell, floor=floor, tool_limits=tool_limits)
         for name, trajectory in made.items()
     }
     rows = tuple(

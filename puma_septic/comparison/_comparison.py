@@ -219,7 +219,7 @@ class Comparison:
                 is_feasible=row.assessment.is_feasible and not row.assessment.undecided,
                 stops=row.stops_at_vias if len(row.trajectory.times) > 2 else None,
                 value=row.objectives[first],
-                worst=max(row.assessment.checks, key=lambda check: check.utilisation, default=None),
+                worst=row.assessment.worst,
             )
             for row in self.profiles
         )

@@ -16,6 +16,7 @@ from puma_septic.limits._drives import drive_checks, drive_demands, highest_moto
 from puma_septic.limits._feasible import Certificate, Constraint, Feasible, feasible_values
 from puma_septic.limits._stretching import RateTorque, rate_torque, stretched
 from puma_septic.motion import Motion, compute_motion
+from puma_septic.paths import ToolLimits, tool_rates
 from puma_septic.quantities import QUANTITIES
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, read_only
@@ -126,7 +127,9 @@ class MinimumDuration:
         }
 
 
-def minimum_duration(motion: Motion) -> MinimumDuration:
+def minimum_duration(
+    motion: Motion, *, floor: float | None = None, tool_limits: ToolLimits | None = None
+) -> MinimumDuration:
     """How short a motion may become, stretched or shortened in time, and which durations keep its limits at all.
 
     Velocity, acceleration and jerk go with ``1/T``, ``1/T^2`` and ``1/T^3``. The torque at each place on the path is
@@ -139,6 +142,10 @@ def minimum_duration(motion: Motion) -> MinimumDuration:
     ----------
     motion : Motion
         From rest to rest. Its own duration does not matter.
+    floor : float, optional
+        Height above the base that the arm must stay above, m: no duration helps where it does not.
+    tool_limits : ToolLimits, optional
+        What the tool may do at most.
 
     Returns
     -------
@@ -160,14 +167,14 @@ def minimum_duration(motion: Motion) -> MinimumDuration:
     >>> round(fastest.duration, 4), fastest.governing.joint, fastest.governing.quantity, fastest.certificate
     (0.6209, 'joint2', 'velocity', 'proved')
     """
-    first = assess(motion)
+    first = assess(motion, floor=floor, tool_limits=tool_limits)
     rates = feasible_rates(motion, first)
     intervals = rates.feasible.intervals
     if not len(intervals):
         raise rates.nothing_helps()
     is_open = bool(intervals[0, 0] == 0)
     k = 0 if is_open else -1
-    answer = assessed_at(motion, float(intervals[k, 1]))
+    answer = assessed_at(motion, float(intervals[k, 1]), floor=floor, tool_limits=tool_limits)
     with np.errstate(divide="ignore"):
         durations = (motion.trajectory.duration / intervals)[::-1, ::-1]
     durations[-1 - k, 0] = answer.trajectory.duration
@@ -215,7 +222,9 @@ class Answer:
         return not self.assessment.violations and not any(check.is_violated for check in self.checks)
 
 
-def assessed_at(motion: Motion, rate: float) -> Answer:
+def assessed_at(
+    motion: Motion, rate: float, *, floor: float | None = None, tool_limits: ToolLimits | None = None
+) -> Answer:
     """The motion at a rate, or at one below it by what rounding makes of the derivatives of its torque.
 
     Returns
@@ -224,8 +233,8 @@ def assessed_at(motion: Motion, rate: float) -> Answer:
     """
     for _ in range(_MOST_CORRECTIONS):
         slower = motion if rate == 1 else compute_motion(motion.robot, stretched(motion.trajectory, 1 / rate))
-        result = assess(slower)
-        slowed = [check for check in result.checks if check.quantity != "position"]
+        result = assess(slower, floor=floor, tool_limits=tool_limits)
+        slowed = [check for check in result.all_checks if not check.is_range]
         answer = Answer(rate=rate, assessment=result, checks=most_used_first([*slowed, *drive_checks(slower)]))
         excess = answer.checks[0].utilisation - 1
         if not AT_LIMIT < excess < _ROUNDING:
@@ -304,8 +313,12 @@ def _torque_demands(motion: Motion, torque: RateTorque) -> list[Demand]:
 
 
 def kinematic_rate(assessment: Assessment) -> float:
-    """The largest u that velocity, acceleration and jerk limits allow."""
-    limits, u = assessment.motion.robot.limits, np.inf
+    """The largest u that limits of velocity, acceleration and jerk allow, those of the tool too."""
+    robot, trajectory, u = assessment.motion.robot, assessment.motion.trajectory, np.inf
+    limits = robot.limits
+    if assessment.tool_limits is not None:
+        stretch = tool_rates(robot, trajectory).needed_stretch(assessment.tool_limits)
+        u = 1 / stretch if stretch else np.inf
     for order, quantity in enumerate(("velocity", "acceleration", "jerk"), start=1):
         demand, limit = getattr(assessment, f"peak_{quantity}"), getattr(limits, quantity)
         with np.errstate(divide="ignore"):
@@ -322,8 +335,8 @@ def _refuse_hopeless(assessment: Assessment) -> None:
             residual=speed,
             q=trajectory(trajectory.breaks[0]),
         )
-    for check in assessment.checks:
-        if check.quantity == "position" and check.is_violated:
+    for check in assessment.all_checks:
+        if check.is_range and check.is_violated:
             raise _no_solution(assessment, check, "is violated at any speed")
         if np.isinf(check.demand):
             raise _no_solution(assessment, check, "needs another motion: a step remains a step")

@@ -17,6 +17,7 @@ from puma_septic.limits._feasible import feasible_values
 from puma_septic.limits._payload import Load, MaximumPayload, checked_load, mass_demands_at, maximum_payload
 from puma_septic.limits._stretching import load_torque, rate_torque
 from puma_septic.motion import Motion, compute_motion
+from puma_septic.paths import ToolLimits
 from puma_septic.validation import Array, checked_array, read_only
 
 __all__ = ["MotionLimits", "motion_limits", "payload_over_duration"]
@@ -77,7 +78,13 @@ class MotionLimits:
         }
 
 
-def motion_limits(motion: Motion, *, com: ArrayLike | None = None) -> MotionLimits:
+def motion_limits(
+    motion: Motion,
+    *,
+    com: ArrayLike | None = None,
+    floor: float | None = None,
+    tool_limits: ToolLimits | None = None,
+) -> MotionLimits:
     """How fast a motion can go with what it carries, how much it can carry, and both together.
 
     Parameters
@@ -85,6 +92,8 @@ def motion_limits(motion: Motion, *, com: ArrayLike | None = None) -> MotionLimi
     motion : Motion
     com : array_like, shape (3,), optional
         As `maximum_payload` takes it.
+    floor, tool_limits : optional
+        As `minimum_duration` takes them.
 
     Returns
     -------
@@ -96,15 +105,18 @@ def motion_limits(motion: Motion, *, com: ArrayLike | None = None) -> MotionLimi
     heaviest: MaximumPayload | None = None
     why_not_fastest = why_not_heaviest = ""
     try:
-        fastest = minimum_duration(motion)
+        fastest = minimum_duration(motion, floor=floor, tool_limits=tool_limits)
     except NoSolution as error:
         why_not_fastest = str(error)
     try:
-        heaviest = maximum_payload(motion, com=load.com, gyration=load.gyration)
+        heaviest = maximum_payload(motion, com=load.com, gyration=load.gyration, floor=floor, tool_limits=tool_limits)
     except NoSolution as error:
         why_not_heaviest = str(error)
     least = motion.trajectory.duration if fastest is None else float(fastest.feasible[0, 0])
     durations = np.geomspace(1, _SLOWEST, _COUNT) * least
+    masses = payload_over_duration(
+        motion, durations, com=load.com, gyration=load.gyration, floor=floor, tool_limits=tool_limits
+    )
     return MotionLimits(
         motion=motion,
         load=load,
@@ -113,12 +125,18 @@ def motion_limits(motion: Motion, *, com: ArrayLike | None = None) -> MotionLimi
         heaviest=heaviest,
         why_not_heaviest=why_not_heaviest,
         durations=read_only(durations),
-        masses=read_only(payload_over_duration(motion, durations, com=load.com, gyration=load.gyration)),
+        masses=read_only(masses),
     )
 
 
 def payload_over_duration(
-    motion: Motion, durations: ArrayLike, *, com: ArrayLike | None = None, gyration: ArrayLike | None = None
+    motion: Motion,
+    durations: ArrayLike,
+    *,
+    com: ArrayLike | None = None,
+    gyration: ArrayLike | None = None,
+    floor: float | None = None,
+    tool_limits: ToolLimits | None = None,
 ) -> Array:
     """The least and the largest mass that a motion can carry, stretched to each of some durations.
 
@@ -128,7 +146,7 @@ def payload_over_duration(
         What its robot carries is replaced.
     durations : array_like, shape (n,)
         s.
-    com, gyration : array_like, optional
+    com, gyration, floor, tool_limits : optional
         As `maximum_payload` takes them.
 
     Returns
@@ -144,9 +162,9 @@ def payload_over_duration(
     times, robot = checked_array("durations", durations, (None,), unit="s"), motion.robot
     load = checked_load(robot, com, gyration)
     bare = motion if robot.payload is None else compute_motion(robot.with_payload(None), motion.trajectory)
-    first = assess(bare)
+    first = assess(bare, floor=floor, tool_limits=tool_limits)
     torque, added = rate_torque(bare), load_torque(bare.robot, bare.trajectory, load.per_kg)
-    in_place = not any(check.quantity == "position" and check.is_violated for check in first.checks)
+    in_place = not any(check.is_range and check.is_violated for check in first.all_checks)
     highest = min(kinematic_rate(first), highest_motor_rate(robot, first.peak_velocity)) if in_place else 0.0
     masses = np.full((len(times), 2), np.nan)
     for k, rate in enumerate((bare.trajectory.duration / times).tolist()):

@@ -18,6 +18,7 @@ from puma_septic.limits._drives import CurveDemand, drive_checks, load_demands
 from puma_septic.limits._feasible import Certificate, Constraint, feasible_values
 from puma_septic.limits._stretching import load_torque, rate_torque
 from puma_septic.motion import Motion, compute_motion
+from puma_septic.paths import TOOL, ToolLimits
 from puma_septic.piecewise import Piecewise
 from puma_septic.quantities import QUANTITIES
 from puma_septic.robot import Payload, Robot
@@ -151,7 +152,12 @@ _NOT_OF_MASS = ("velocity", "acceleration", "jerk", "motor speed")
 
 
 def maximum_payload(
-    motion: Motion, *, com: ArrayLike | None = None, gyration: ArrayLike | None = None
+    motion: Motion,
+    *,
+    com: ArrayLike | None = None,
+    gyration: ArrayLike | None = None,
+    floor: float | None = None,
+    tool_limits: ToolLimits | None = None,
 ) -> MaximumPayload:
     """How heavy a payload may become on a motion as it is, and which masses keep its limits at all.
 
@@ -168,6 +174,10 @@ def maximum_payload(
     gyration : array_like, shape (3, 3), optional
         Inertia about the centre of mass per kg, m^2; by default that of the robot's payload, of which com is not given,
         else a point mass.
+    floor : float, optional
+        Height above the base that the arm must stay above, m: no mass helps where it does not.
+    tool_limits : ToolLimits, optional
+        What the tool may do at most: no mass helps where it does more.
 
     Returns
     -------
@@ -190,7 +200,9 @@ def maximum_payload(
     (4.596, 'joint2', 'effort')
     """
     load = checked_load(motion.robot, com, gyration)
-    first = _unloaded(motion)
+    robot, trajectory = motion.robot, motion.trajectory
+    bare = motion if robot.payload is None else compute_motion(robot.with_payload(None), trajectory)
+    first = assess(bare, floor=floor, tool_limits=tool_limits)
     _refuse_what_no_mass_mends(first)
     demands = mass_demands(first.motion, load)
     feasible = feasible_values(demands)
@@ -199,8 +211,9 @@ def maximum_payload(
     least, most = feasible.intervals[0].tolist()
     if np.isinf(most):
         raise InputError("no joint with a known limit bears the payload: any mass will do")
-    answer = assess(compute_motion(motion.robot.with_payload(load.of(most)), motion.trajectory))
-    checks = [check for check in answer.checks if check.quantity != "position"]
+    loaded = compute_motion(robot.with_payload(load.of(most)), trajectory)
+    answer = assess(loaded, floor=floor, tool_limits=tool_limits)
+    checks = [check for check in answer.all_checks if not check.is_range]
     return MaximumPayload(
         motion=motion,
         load=load,
@@ -212,16 +225,11 @@ def maximum_payload(
     )
 
 
-def _unloaded(motion: Motion) -> Assessment:
-    robot = motion.robot
-    return assess(motion if robot.payload is None else compute_motion(robot.with_payload(None), motion.trajectory))
-
-
 def _refuse_what_no_mass_mends(first: Assessment) -> None:
     """What does not depend on the mass and is violated."""
-    checks = [*first.checks, *drive_checks(first.motion)]
+    checks = [*first.all_checks, *drive_checks(first.motion)]
     for check in checks:
-        fixed = check.quantity in ("position", *_NOT_OF_MASS) or np.isinf(check.demand)
+        fixed = check.is_range or check.joint == TOOL or check.quantity in _NOT_OF_MASS or np.isinf(check.demand)
         if fixed and check.is_violated:
             raise NoSolution(
                 f"no payload keeps the limits: {check}, whatever is carried",

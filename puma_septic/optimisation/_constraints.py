@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from textwrap import wrap
 from typing import Any, final
@@ -10,9 +10,11 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from puma_septic.assessment import LimitCheck, limit_checks, unknown_values
+from puma_septic.assessment import LimitCheck, height_series, limit_checks, lowest_point, unknown_values
 from puma_septic.errors import InputError
+from puma_septic.limit_check import HEIGHT
 from puma_septic.objectives import Candidate
+from puma_septic.paths import TOOL, ToolLimits, tool_rates
 from puma_septic.piecewise import Extrema
 from puma_septic.quantities import MOTION, QUANTITIES
 from puma_septic.robot import Robot
@@ -31,9 +33,15 @@ Excess = Callable[[Candidate], Array]
 
 
 def excess_function(
-    robot: Robot | None, n_joints: int, *, max_overshoot: ArrayLike | None, keep: Sequence[str]
+    robot: Robot | None,
+    n_joints: int,
+    *,
+    max_overshoot: ArrayLike | None = None,
+    keep: Sequence[str] = (),
+    floor: float | None = None,
+    tool_limits: ToolLimits | None = None,
 ) -> Excess:
-    """A function of a candidate: excess of each constraint, wanted at most 0; in rad, or as a share of the limit.
+    """A function of a candidate: excess of each constraint, wanted at most 0; in rad, m, or as a share of the limit.
 
     Raises
     ------
@@ -48,6 +56,8 @@ def excess_function(
             raise InputError("max_overshoot must not be negative, in rad")
         checks.append(lambda candidate: _beyond_hull(candidate, bound))
     checks += [_limit_check(robot, quantity) for quantity in keep]
+    if floor is not None or tool_limits is not None:
+        checks.append(_cell_check(robot, floor, tool_limits))
     return lambda candidate: np.concatenate([np.zeros(0), *(check(candidate) for check in checks)])
 
 
@@ -80,6 +90,23 @@ def _limit_check(robot: Robot | None, quantity: str) -> Excess:
     return lambda candidate: _beyond(candidate.motion.signal(quantity).extrema(), limit)
 
 
+def _cell_check(robot: Robot | None, floor: float | None, tool_limits: ToolLimits | None) -> Excess:
+    """What the cell asks of the arm: each of its parts above the floor, the tool within its limits."""
+    if robot is None:
+        raise InputError("a floor and limits of the tool need the robot: give robot=...")
+
+    def excess(candidate: Candidate) -> Array:
+        trajectory, found = candidate.trajectory, [np.zeros(0)]
+        if floor is not None:
+            found.append(floor - height_series(robot, trajectory).extrema().min)
+        if tool_limits is not None:
+            checks = tool_rates(robot, trajectory).checks(tool_limits)
+            found.append(np.array([check.utilisation for check in checks]) - 1)
+        return np.concatenate(found)
+
+    return excess
+
+
 def _beyond_positions(candidate: Candidate, limit: Array) -> Array:
     reach = candidate.trajectory.extrema(0)
     return _known(np.concatenate([limit[:, 0] - reach.min, reach.max - limit[:, 1]]))
@@ -106,9 +133,9 @@ class Verdict:
     Attributes
     ----------
     respected : tuple of str
-        Quantities whose limits the search had to keep.
+        Quantities whose limits the search had to keep; "tool" and "floor" where the cell has such.
     checks : tuple of LimitCheck
-        Every known limit, respected or not.
+        Every known limit, respected or not, and what the cell asks: limits of the tool, the floor.
     not_assessed : tuple of str
         Limits that are not known, with the joints concerned.
     joint_names : tuple of str
@@ -128,7 +155,7 @@ class Verdict:
     @property
     def failures(self) -> tuple[LimitCheck, ...]:
         """The violated limits among those that the search had to keep; a result of a search has none."""
-        return tuple(check for check in self.violations if check.quantity in self.respected)
+        return tuple(check for check in self.violations if _kind(check) in self.respected)
 
     @property
     def is_feasible(self) -> bool:
@@ -172,24 +199,33 @@ class Verdict:
 
 def verdict_of(candidate: Candidate, respected: Iterable[str]) -> Verdict | None:
     """The verdict on a motion; None where no robot is known. Without any inertia, all but effort is assessed."""
-    robot, trajectory = candidate.robot, candidate.trajectory
+    robot, trajectory, kept = candidate.robot, candidate.trajectory, set(respected)
     if robot is None:
         return None
     unknown = (line.partition(": ") for line in unknown_values(robot) if "limit" in line)
     missing = [f"{what} ({why})" for what, _, why in unknown]
     if robot.knows_torque.any():
-        checks = candidate.assessment.checks
+        checks = candidate.assessment.all_checks
     else:  # which spares the torque
         demands = {name: trajectory.peak(order) for order, name in enumerate(MOTION[1:], start=1)}
-        checks = limit_checks(robot, trajectory.extrema(0), demands)
+        checks = (*limit_checks(robot, trajectory.extrema(0), demands), *_cell_checks(robot, candidate))
     if robot.missing_inertia:
         missing.append(f"effort (no inertia is known beyond {', '.join(robot.missing_inertia)})")
+    cell = [name for name, rule in ((TOOL, candidate.tool_limits), ("floor", candidate.floor)) if rule is not None]
     return Verdict(
-        respected=tuple(name for name in QUANTITIES if name in set(respected)),
+        respected=(*(name for name in QUANTITIES if name in kept), *cell),
         checks=checks,
         not_assessed=tuple(missing),
         joint_names=robot.joint_names,
     )
+
+
+def _cell_checks(robot: Robot, candidate: Candidate) -> Iterator[LimitCheck]:
+    trajectory = candidate.trajectory
+    if candidate.tool_limits is not None:
+        yield from tool_rates(robot, trajectory).checks(candidate.tool_limits)
+    if candidate.floor is not None:
+        yield lowest_point(robot, trajectory).check(candidate.floor)
 
 
 def known_quantities(robot: Robot | None) -> tuple[str, ...]:
@@ -201,7 +237,15 @@ def known_quantities(robot: Robot | None) -> tuple[str, ...]:
     return tuple(name for name in known if QUANTITIES[name].signal == "position" or robot.knows_torque.any())
 
 
+def _kind(check: LimitCheck) -> str:
+    if check.quantity == HEIGHT:
+        return "floor"
+    return TOOL if check.joint == TOOL else check.quantity
+
+
 def _use(check: LimitCheck) -> str:
+    if check.quantity == HEIGHT:
+        return f"{check.joint} {-check.margin:.4g} m below the floor"
     if check.quantity == "position":
         return f"{check.joint} {-check.margin:.4g} {check.unit} beyond its bound"
     if check.utilisation == float("inf"):

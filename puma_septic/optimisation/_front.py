@@ -25,6 +25,7 @@ from puma_septic.optimisation._problem import (
 )
 from puma_septic.optimisation._search import KEPT, Found, search
 from puma_septic.optimisation._variables import MakeTrajectory
+from puma_septic.paths import ToolLimits
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, read_only
@@ -141,6 +142,8 @@ def pareto_front(
     max_overshoot: ArrayLike | None = None,
     keep: Sequence[str] = (),
     dwell: float = 0.0,
+    floor: float | None = None,
+    tool_limits: ToolLimits | None = None,
     size: int = 12,
     seed: int = 0,
     progress: Progress | None = None,
@@ -153,7 +156,7 @@ def pareto_front(
 
     Parameters
     ----------
-    make, points, times, robot, free, max_overshoot, keep, dwell, seed, progress
+    make, points, times, robot, free, max_overshoot, keep, dwell, floor, tool_limits, seed, progress
         As in `optimise_via_times`.
     objectives : sequence of str
         Two or three names in `puma_septic.objectives.OBJECTIVES`.
@@ -180,7 +183,16 @@ def pareto_front(
     True
     """
     setting = checked_setting(
-        make, points, times, robot=robot, free=free, max_overshoot=max_overshoot, keep=keep, dwell=dwell
+        make,
+        points,
+        times,
+        robot=robot,
+        free=free,
+        max_overshoot=max_overshoot,
+        keep=keep,
+        dwell=dwell,
+        floor=floor,
+        tool_limits=tool_limits,
     )
     goals = checked_objectives(objectives, at_least=2, at_most=3)
     rays = _rays(len(goals), checked_count("size", size, at_least=3))

@@ -32,6 +32,7 @@ from puma_septic.optimisation._problem import (
 from puma_septic.optimisation._proportions import Proportions
 from puma_septic.optimisation._search import COARSE, FINE, KEPT, Found
 from puma_septic.optimisation._variables import MakeTrajectory
+from puma_septic.paths import ToolLimits
 from puma_septic.quantities import COMMON, MOTION
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
@@ -180,6 +181,8 @@ def least_time(
     max_jerk: ArrayLike | None = None,
     max_overshoot: ArrayLike | None = None,
     dwell: float = 0.0,
+    floor: float | None = None,
+    tool_limits: ToolLimits | None = None,
     free: Sequence[str] = (),
     restarts: int = 4,
     seed: int = 0,
@@ -212,6 +215,10 @@ def least_time(
         Largest excess beyond the hull of the points, rad.
     dwell : float
         Rest after the motion, s: its holding torque must keep the effort limits too.
+    floor : float, optional
+        Height that the arm must stay above, m: kept, as are the limits of the tool.
+    tool_limits : ToolLimits, optional
+        What the tool may do at most.
     free : sequence of str
         Arguments of `make` to be chosen as well: "free_knots", or "velocities", "accelerations" at the vias.
     restarts, seed, progress
@@ -242,14 +249,29 @@ def least_time(
     total = 1.0 if np.ndim(times) == 0 else np.asarray(times) / float(np.ptp(np.asarray(times, dtype=np.float64)))
     untimed = [name for name in quantities if name == "position"]
     setting = checked_setting(
-        make, points, total, robot=robot, free=free, max_overshoot=max_overshoot, keep=untimed, dwell=dwell, least=2
+        make,
+        points,
+        total,
+        robot=robot,
+        free=free,
+        max_overshoot=max_overshoot,
+        keep=untimed,
+        dwell=dwell,
+        floor=floor,
+        tool_limits=None,
+        least=2,
     )
     n_joints = setting.variables.points.shape[1]
     limits = _checked_limits(n_joints, (max_velocity, max_acceleration, max_jerk), robot, quantities)
+    if np.isnan(limits).all() and "effort" not in quantities and tool_limits is None:
+        raise InputError(
+            "without a limit there is no least time; give max_velocity, max_acceleration or max_jerk, or a robot whose"
+            " limits are known"
+        )
     torque = None
     if "effort" in quantities:
         torque = excess_function(robot, n_joints, max_overshoot=None, keep=("effort",))
-    race = Proportions(setting=setting, limits=limits, torque=torque)
+    race = Proportions(setting=setting, limits=limits, torque=torque, tool_limits=tool_limits)
     count = checked_count("restarts", restarts) if setting.variables.size else 0
     starts = random_starts(setting.variables, setting.first(), count, seed)
     start = race.start(starts[0])
@@ -295,11 +317,6 @@ def _checked_limits(
                 raise InputError(f"max_{name}[{int(np.argmax(row <= 0))}] = {row[row <= 0][0]:g} must be positive")
         if robot is not None and name in quantities:
             row[:] = np.fmin(row, getattr(robot.limits, name))
-    if np.isnan(limits).all() and "effort" not in quantities:
-        raise InputError(
-            "without a limit there is no least time; give max_velocity, max_acceleration or max_jerk, or a robot whose"
-            " limits are known"
-        )
     limits.setflags(write=False)
     return limits
 
@@ -313,7 +330,7 @@ def _raced(
     the search begins anew, with the duration as a variable, from the timings that keep all limits at some duration.
     """
     first: list[Found] = []
-    if not np.isnan(race.limits).all():
+    if not np.isnan(race.limits).all() or race.tool_limits is not None:
         first = search_from(race.without_torque(starts[0]), starts, progress)
         best = best_kept(race.setting, first)
         if race.torque is None or race.least(best.x) <= best.value * (1 + KEPT):

@@ -15,6 +15,7 @@ from puma_septic.optimisation._analytic import best_free_values
 from puma_septic.optimisation._constraints import Excess, Verdict, checked_quantities, excess_function, verdict_of
 from puma_septic.optimisation._search import COARSE, FINE, KEPT, Found, Problem, search
 from puma_septic.optimisation._variables import MakeTrajectory, Variables, checked_variables
+from puma_septic.paths import ToolLimits
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_number
@@ -46,6 +47,8 @@ class Setting:
     is_constrained: bool
     robot: Robot | None
     dwell: float
+    floor: float | None
+    tool_limits: ToolLimits | None
 
     def candidate(self, x: Array) -> Candidate:
         """The motion of variables x."""
@@ -53,7 +56,13 @@ class Setting:
 
     def judged(self, trajectory: Trajectory) -> Candidate:
         """A trajectory with the robot that runs it."""
-        return Candidate(trajectory=trajectory, robot=self.robot, dwell=self.dwell)
+        return Candidate(
+            trajectory=trajectory,
+            robot=self.robot,
+            dwell=self.dwell,
+            floor=self.floor,
+            tool_limits=self.tool_limits,
+        )
 
     def verdict(self, trajectory: Trajectory) -> Verdict | None:
         """What the robot's limits say to a trajectory; None without a robot."""
@@ -133,6 +142,8 @@ def checked_setting(
     max_overshoot: ArrayLike | None,
     keep: Sequence[str],
     dwell: float,
+    floor: float | None,
+    tool_limits: ToolLimits | None,
     least: int = 3,
 ) -> Setting:
     """The setting of these arguments, with `least` points or more; see `optimise_via_times` for the others."""
@@ -143,11 +154,15 @@ def checked_setting(
     quantities = checked_quantities(keep)
     return Setting(
         variables=variables,
-        excess=excess_function(robot, n_joints, max_overshoot=max_overshoot, keep=quantities),
+        excess=excess_function(
+            robot, n_joints, max_overshoot=max_overshoot, keep=quantities, floor=floor, tool_limits=tool_limits
+        ),
         keep=quantities,
-        is_constrained=max_overshoot is not None or bool(quantities),
+        is_constrained=bool(quantities) or any(rule is not None for rule in (max_overshoot, floor, tool_limits)),
         robot=robot,
         dwell=checked_number("dwell", dwell, unit="s", at_least=0.0),
+        floor=floor,
+        tool_limits=tool_limits,
     )
 
 

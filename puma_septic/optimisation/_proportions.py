@@ -14,10 +14,11 @@ from puma_septic.optimisation._constraints import Excess
 from puma_septic.optimisation._problem import Setting
 from puma_septic.optimisation._search import COARSE, KEPT, Problem
 from puma_septic.optimisation._torque_cuts import least_duration
+from puma_septic.paths import ToolLimits, tool_rates
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array
 
-__all__ = ["Proportions", "needed_time"]
+__all__ = ["Proportions"]
 
 # A part of the needed time far below the largest one never governs; below this share of it, its root is cut off, which
 # has an infinite slope at zero.
@@ -49,11 +50,14 @@ class Proportions:
         Of velocity, acceleration, jerk; NaN where there is none.
     torque : callable or None
         By how much a candidate exceeds its effort limits, where these are to be kept.
+    tool_limits : ToolLimits or None
+        They scale with the duration, as those of the joints do.
     """
 
     setting: Setting
     limits: Array
     torque: Excess | None
+    tool_limits: ToolLimits | None
 
     def made(self, x: Array, duration: float) -> Candidate:
         """The motion of these proportions in this time."""
@@ -61,7 +65,8 @@ class Proportions:
         times = variables.times(x)
         values = variables.values(x, times)
         scaled = {name: value * duration ** _POWERS[name] for name, value in values.items()}
-        return self.setting.judged(variables.make(variables.points, times * duration, **scaled))
+        made = self.setting.judged(variables.make(variables.points, times * duration, **scaled))
+        return replace(made, tool_limits=self.tool_limits)
 
     def quickest(self, x: Array) -> Candidate:
         """The motion of these proportions in the least time that all limits allow.
@@ -73,8 +78,8 @@ class Proportions:
         InputError
             If a limited derivative is unbounded, nothing bounds the duration, or the profile does not scale.
         """
-        unit = self.made(x, 1.0).trajectory
-        shortest = needed_time(unit, self.limits)
+        first = self.made(x, 1.0)
+        unit, shortest = first.trajectory, self.needed(first)
         if not np.isfinite(shortest):
             raise InputError(f"profile {unit.profile} has unbounded derivatives that are limited, whatever the times")
         if self.torque is None:
@@ -115,7 +120,7 @@ class Proportions:
         duration = 1.0
         for _ in range(3):
             candidate = self.made(x, duration)
-            excess = needed_time(candidate.trajectory, self.limits)
+            excess = self.needed(candidate)
             if duration != 1.0 and abs(excess - 1) <= _UNSCALED and excess <= 1 + _ROUNDING / 3:
                 return candidate
             duration *= excess * (1 + _ROUNDING / 10)
@@ -126,7 +131,7 @@ class Proportions:
 
     def without_torque(self, first: Array) -> Problem:
         """Least time by velocity, acceleration and jerk: the largest of what each limit and interval needs."""
-        idle = _IDLE * needed_time(self.made(first, 1.0).trajectory, self.limits)
+        idle = _IDLE * self.needed(self.made(first, 1.0))
         problem = self.setting.problem(lambda candidate: self._times_needed(candidate, idle))
         return problem if self.torque is None else replace(problem, most=_MOST_TIMES)
 
@@ -159,7 +164,7 @@ class Proportions:
         try:
             return self.quickest(x).trajectory.duration
         except NoSolution:
-            return needed_time(self.made(x, 1.0).trajectory, self.limits) or 1.0
+            return self.needed(self.made(x, 1.0)) or 1.0
 
     def _times_needed(self, candidate: Candidate, idle: float) -> Array:
         """For each limit, joint and interval, the needed time over that of the motion, over 1 s; idle ones cut off."""
@@ -169,10 +174,18 @@ class Proportions:
             extremes = interval_extremes(candidate.trajectory.derivative(order)).reshape(-1, self.limits.shape[1])
             shares = (extremes / self.limits[order - 1])[:, known[order - 1]].ravel()
             needed.append(np.maximum(shares, idle**order) ** (1 / order))
+        if self.tool_limits is not None:
+            needed.append(np.array([max(self._of_tool(candidate), idle)]))
         return np.concatenate(needed)
 
+    def needed(self, candidate: Candidate) -> float:
+        """What velocity, acceleration, jerk and the tool need over what the motion takes; infinite where unbounded."""
+        peaks = np.stack([candidate.trajectory.peak(order)[0] for order in (1, 2, 3)])
+        joints = np.nanmax((peaks / self.limits) ** (1 / np.array([[1.0], [2.0], [3.0]])), initial=0.0)
+        return max(float(joints), self._of_tool(candidate))
 
-def needed_time(trajectory: Trajectory, limits: Array) -> float:
-    """What velocity, acceleration and jerk need over what the motion takes, exactly; infinite where unbounded."""
-    peaks = np.stack([trajectory.peak(order)[0] for order in (1, 2, 3)])
-    return float(np.nanmax((peaks / limits) ** (1 / np.array([[1.0], [2.0], [3.0]])), initial=0.0))
+    def _of_tool(self, candidate: Candidate) -> float:
+        robot, limits = candidate.robot, self.tool_limits
+        if robot is None or limits is None:
+            return 0.0
+        return tool_rates(robot, candidate.trajectory).needed_stretch(limits)

@@ -26,6 +26,7 @@ from puma_septic.optimisation._problem import (
 )
 from puma_septic.optimisation._search import COARSE, FINE, KEPT
 from puma_septic.optimisation._variables import MakeTrajectory
+from puma_septic.paths import ToolLimits
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array
@@ -152,6 +153,8 @@ def optimise_via_times(
     max_overshoot: ArrayLike | None = None,
     keep: Sequence[str] = (),
     dwell: float = 0.0,
+    floor: float | None = None,
+    tool_limits: ToolLimits | None = None,
     restarts: int = 4,
     seed: int = 0,
     progress: Progress | None = None,
@@ -180,6 +183,10 @@ def optimise_via_times(
         them by a full assessment; the others are assessed too, and named where they are not held.
     dwell : float
         Rest after the motion, in the root mean squares, s.
+    floor : float, optional
+        Height that the arm must stay above, m: kept, as are the limits of the tool.
+    tool_limits : ToolLimits, optional
+        What the tool may do at most.
     restarts : int
         Searches from random times, in addition to the one from the given times.
     seed : int
@@ -206,7 +213,16 @@ def optimise_via_times(
     ([0.0, 3.23, 5.77, 9.0], True)
     """
     setting = checked_setting(
-        make, points, times, robot=robot, free=free, max_overshoot=max_overshoot, keep=keep, dwell=dwell
+        make,
+        points,
+        times,
+        robot=robot,
+        free=free,
+        max_overshoot=max_overshoot,
+        keep=keep,
+        dwell=dwell,
+        floor=floor,
+        tool_limits=tool_limits,
     )
     goal = checked_objectives([objective], at_most=1)[0]
     count = checked_count("restarts", restarts)

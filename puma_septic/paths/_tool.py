@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final, final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from puma_septic.errors import InputError
 from puma_septic.kinematics import tool_derivatives
@@ -13,9 +14,12 @@ from puma_septic.limit_check import LimitCheck
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_choice, checked_number
+from puma_septic.validation import Array, checked_array, checked_choice, checked_number
 
-__all__ = ["ToolLimits", "ToolRates", "tool_rates"]
+__all__ = ["TOOL", "ToolLimits", "ToolRates", "tool_rates"]
+
+TOOL: Final = "tool"
+"""What stands in place of a joint where the tool is held to its limits."""
 
 # Each quantity: where its vector stands among the components, the joints' derivative that makes it unbounded, its unit.
 _QUANTITIES: Final = {
@@ -114,6 +118,34 @@ class ToolRates:
         extrema = self.square(quantity).extrema()
         return float(np.sqrt(extrema.max[0])), float(extrema.t_max[0])
 
+    def needed_stretch(self, limits: ToolLimits) -> float:
+        """By what factor the motion must be stretched in time at least to keep limits; infinite at a step.
+
+        Stretched by k, the tool's speeds go down by k, its acceleration by k^2 and its jerk by k^3: it needs the
+        largest of ``(peak / limit) ** (1 / order)``. Below 1 it may be quicker.
+
+        Returns
+        -------
+        float
+        """
+        shares = [(self.peak(name)[0] / limit, _QUANTITIES[name][1]) for name, limit in limits.known.items()]
+        return max(float(share ** (1 / order)) for share, order in shares)
+
+    def shares(self, limits: ToolLimits, rates: ArrayLike) -> dict[str, Array]:
+        """How much of each limit is used where the motion takes ``1 / rate`` of its time.
+
+        Parameters
+        ----------
+        limits : ToolLimits
+        rates : array_like, shape (n,)
+
+        Returns
+        -------
+        dict of str to ndarray, shape (n,)
+        """
+        u = checked_array("rates", rates, (None,))
+        return {name: self.peak(name)[0] / limit * u ** _QUANTITIES[name][1] for name, limit in limits.known.items()}
+
     def checks(self, limits: ToolLimits) -> tuple[LimitCheck, ...]:
         """The peaks held against limits, such as 0.25 m/s of a cell that is guided by hand.
 
@@ -128,7 +160,7 @@ class ToolRates:
         unit = _QUANTITIES[quantity][2]
         demand, time = self.peak(quantity)
         return LimitCheck.of_magnitude(
-            joint="tool", quantity=quantity, demand=demand, limit=limit, unit=unit, time=time, source=source
+            joint=TOOL, quantity=quantity, demand=demand, limit=limit, unit=unit, time=time, source=source
         )
 
 

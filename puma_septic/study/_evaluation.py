@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from puma_septic.assessment import Assessment, assess
 from puma_septic.errors import PumaSepticError
-from puma_septic.limit_check import most_used_first
+from puma_septic.limit_check import AT_LIMIT, most_used_first
 from puma_septic.limits import payload_and_duration, stretched
-from puma_septic.motion import Motion, compute_motion
+from puma_septic.motion import compute_motion
+from puma_septic.paths import TOOL, tool_rates
 from puma_septic.robot import Payload
 from puma_septic.study._definition import SCALED, Study, placed
 from puma_septic.task import make_task, resolve_task
@@ -114,7 +115,8 @@ def _fill(columns: Columns, rows: slice, study: Study, places: Array, shape: lis
     durations = values.get("duration", np.full(n, motion.trajectory.duration))
     masses = values.get("payload", np.full(n, 0.0 if payload is None else payload.mass))
     try:
-        _store(columns, rows, motion, durations, masses)
+        first = assess(motion, floor=resolved.task.floor, tool_limits=resolved.tool_limits)
+        _store(columns, rows, first, durations, masses)
     except PumaSepticError as error:
         columns["error"][rows] = str(error)
 
@@ -129,17 +131,17 @@ def _choice(document: Mapping[str, Any], name: str) -> Mapping[str, Any]:
     return next((one for one in document["profiles"] if one["name"] == name), {"name": name})
 
 
-def _store(columns: Columns, rows: slice, motion: Motion, durations: Array, masses: Array) -> None:
-    robot = motion.robot
+def _store(columns: Columns, rows: slice, first: Assessment, durations: Array, masses: Array) -> None:
+    motion, robot = first.motion, first.motion.robot
     if robot.has_losses or not all(law.is_linear for law in robot.friction):
         for k, (duration, mass) in enumerate(zip(durations.tolist(), masses.tolist(), strict=True)):
-            _store_one(columns, rows.start + k, _alone(motion, duration, mass))
+            _store_one(columns, rows.start + k, _alone(first, duration, mass))
         return
     sweep = payload_and_duration(motion, durations, masses)
     limits = robot.limits
     names = np.array(robot.joint_names, dtype=object)
     _put(columns, "feasible", rows, sweep.is_feasible)
-    _put(columns, "certificate", rows, "undecided" if assess(motion).undecided else "resolved")
+    _put(columns, "certificate", rows, "undecided" if first.undecided else "resolved")
     _put(columns, "governing_joint", rows, np.where(np.isnan(sweep.utilisation), "", names[sweep.governing_joint]))
     _put(columns, "governing_quantity", rows, sweep.governing_quantity)
     _put(columns, "utilisation", rows, sweep.utilisation)
@@ -150,6 +152,23 @@ def _store(columns: Columns, rows: slice, motion: Motion, durations: Array, mass
             _put(columns, f"peak_{_CALLED[name]}_{j + 1}", rows, sweep.peaks[name][:, j])
     for j in range(robot.n_joints):
         _put(columns, f"rms_torque_{j + 1}", rows, sweep.rms_torque[:, j])
+    _hold_to_cell(columns, rows, first, motion.trajectory.duration / durations)
+
+
+def _hold_to_cell(columns: Columns, rows: slice, first: Assessment, rates: Array) -> None:
+    """What the cell asks beside the robot: the arm above the floor at any rate, the tool within its limits."""
+    motion, kept = first.motion, np.full(len(rates), first.floor_check is None or first.floor_check.keeps())
+    shares = {}
+    if first.tool_limits is not None:
+        shares = tool_rates(motion.robot, motion.trajectory).shares(first.tool_limits, rates)
+    for quantity, share in shares.items():
+        kept &= share <= 1 + AT_LIMIT
+        if "utilisation" in columns:
+            governs = np.flatnonzero(~(columns["utilisation"][rows] >= share)) + rows.start
+            columns["utilisation"][governs] = share[governs - rows.start]
+            columns["governing_joint"][governs], columns["governing_quantity"][governs] = TOOL, quantity
+    if "feasible" in columns:
+        columns["feasible"][rows] &= kept
 
 
 def _put(columns: Columns, name: str, rows: slice, values: Any) -> None:
@@ -157,18 +176,20 @@ def _put(columns: Columns, name: str, rows: slice, values: Any) -> None:
         columns[name][rows] = values
 
 
-def _alone(motion: Motion, duration: float, mass: float) -> Assessment:
+def _alone(first: Assessment, duration: float, mass: float) -> Assessment:
+    motion = first.motion
     given, robot = motion.robot.payload, motion.robot
     shape = {} if given is None else {"com": given.com}
     if given is not None and given.mass:
         shape["inertia"] = given.inertia * (mass / given.mass)
     robot = robot.with_payload(Payload(mass=mass, **shape) if mass else None)
-    return assess(compute_motion(robot, stretched(motion.trajectory, duration / motion.trajectory.duration)))
+    moved = compute_motion(robot, stretched(motion.trajectory, duration / motion.trajectory.duration))
+    return assess(moved, floor=first.floor, tool_limits=first.tool_limits)
 
 
 def _store_one(columns: Columns, row: int, one: Assessment) -> None:
     rows = slice(row, row + 1)
-    moved = most_used_first(check for check in one.checks if check.quantity != "position")
+    moved = most_used_first(check for check in one.all_checks if not check.is_range)
     _put(columns, "feasible", rows, one.is_feasible)
     _put(columns, "certificate", rows, "undecided" if one.undecided else "resolved")
     if moved:

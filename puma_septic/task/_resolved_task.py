@@ -11,6 +11,7 @@ from puma_septic import profiles
 from puma_septic.assessment import Assessment, assess
 from puma_septic.document import card, one_line
 from puma_septic.errors import InputError
+from puma_septic.paths import ToolLimits
 from puma_septic.robot import Robot
 from puma_septic.task._branches import Branch, Posed, are_all_branches, best_branch, branches_through
 from puma_septic.task._scene import named, solve_points, tool_limits
@@ -64,6 +65,11 @@ class ResolvedTask:
     def points(self) -> Array:
         """Joint positions at the points, shape (k, n_joints), rad (m)."""
         return self.branch.q
+
+    @property
+    def tool_limits(self) -> ToolLimits | None:
+        """What the task allows its tool to do."""
+        return tool_limits(self.task)
 
     @property
     def has_poses(self) -> bool:
@@ -179,14 +185,13 @@ def assess_task(task: Task | ResolvedTask) -> tuple[Assessment, ...]:
     [False, False, False]
     """
     resolved = task if isinstance(task, ResolvedTask) else resolve_task(task)
-    limits = tool_limits(resolved.task)
     return tuple(
         assess(
             resolved.robot,
             trajectory,
             dwell=resolved.task.dwell,
             floor=resolved.task.floor,
-            tool_limits=limits,
+            tool_limits=resolved.tool_limits,
         )
         for trajectory in resolved.trajectories
     )

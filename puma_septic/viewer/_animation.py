@@ -88,7 +88,10 @@ def _bounded(assessment: Assessment, check: LimitCheck) -> tuple[Piecewise, tupl
     motion = assessment.motion
     robot = motion.robot
     if check.quantity == HEIGHT:
-        return height_series(motion)[height_parts(robot).index(check.joint)], (check.limit, np.nan)
+        return height_series(motion.robot, motion.trajectory)[height_parts(robot).index(check.joint)], (
+            check.limit,
+            np.nan,
+        )
     j = robot.joint_index(check.joint)
     low, high = robot.limits.position[j].tolist() if check.is_range else (-check.limit, check.limit)
     return motion.signal(check.quantity)[j], (low, high)

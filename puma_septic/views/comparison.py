@@ -8,7 +8,7 @@ from math import fsum, isinf, isnan, sqrt
 from typing import Any, Final
 
 from puma_septic.document import csv_text, numeric
-from puma_septic.limit_check import LimitCheck, most_used_first
+from puma_septic.limit_check import HEIGHT, LimitCheck, most_used_first
 from puma_septic.views.checks import read_checks
 from puma_septic.views.tables import html_table, text_table
 from puma_septic.views.units import SI, Units
@@ -206,10 +206,12 @@ def _torque(row: Document, joint_names: list[str]) -> str:
 
 
 def _violated(checks: tuple[LimitCheck, ...]) -> str:
-    """How often each quantity is violated, the one that is violated most first."""
-    quantities = [check.label for check in most_used_first(checks) if check.is_violated]
-    counts = {name: quantities.count(name) for name in dict.fromkeys(quantities)}
-    return ", ".join(f"{_BRIEF.get(name, name)} {count}" for name, count in counts.items()) or "kept"
+    """How often each quantity is violated, the one that is violated most first; what the cell asks, by its name."""
+    violated = [check for check in most_used_first(checks) if check.is_violated]
+    named = ["floor" if one.quantity == HEIGHT else f"tool {one.label}" * (one.joint == "tool") for one in violated]
+    of_joints = [check.label for check, name in zip(violated, named, strict=True) if not name]
+    counts = [f"{_BRIEF.get(name, name)} {of_joints.count(name)}" for name in dict.fromkeys(of_joints)]
+    return ", ".join([*(name for name in named if name), *counts]) or "kept"
 
 
 def _short(value: float) -> str:

@@ -21,7 +21,6 @@ __all__ = [
     "decoded",
     "read_bytes",
     "sha256_of",
-    "write_new",
     "yaml_documents",
     "yaml_places",
     "yaml_text",
@@ -144,26 +143,6 @@ def sha256_of(path: Path) -> str:
     except (OSError, ValueError) as error:
         raise InputError(f"{path}: cannot be read: {error}") from error
     return digest.hexdigest()
-
-
-def write_new(path: str | Path, text: str) -> Path:
-    """Write a file that does not exist yet, in UTF-8; nothing is overwritten.
-
-    Raises
-    ------
-    InputError
-        Where the file exists or cannot be written, with the reason.
-    """
-    target = Path(path)
-    try:
-        with target.open("x", encoding="utf-8") as stream:
-            stream.write(text)
-    except FileExistsError as error:
-        raise InputError(f"{target} exists; nothing is overwritten, name another file") from error
-    except (OSError, ValueError) as error:  # ValueError: a null character in the path
-        why = error.strerror if isinstance(error, OSError) and error.strerror else error
-        raise InputError(f"{str(target)!r}: cannot be written: {why}") from error
-    return target
 
 
 def _start_of(path: Path, count: int) -> bytes:

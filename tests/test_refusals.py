@@ -18,8 +18,9 @@ from helpers.urdf_texts import DRIVES, load, replaced
 import puma_septic as ps
 from puma_septic import plots
 from puma_septic.cli import main
-from puma_septic.files import sha256_of, write_new
+from puma_septic.files import sha256_of
 from puma_septic.kinematics._chain import _axis
+from puma_septic.outputs import write_file
 from puma_septic.ros import read_joint_state
 from puma_septic.testing import assert_trajectory_ok
 from puma_septic.viewer import _server as server
@@ -50,7 +51,7 @@ SKEW = [[1.0, 0.1, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
             lambda: small_move(ROBOT).position.positive_spans(),
             "positive_spans: one component is needed, the function has 6",
         ),
-        (lambda: write_new("a\0b", ""), r"'a\\x00b': cannot be written: embedded null"),
+        (lambda: write_file("a\0b", ""), r"'a\\x00b': cannot be written: embedded null"),
         (lambda: sha256_of(Path("none")), "none: cannot be read: .*No such file"),
         (lambda: ps.load_task(f"{300 * 'a'}.yaml"), "cannot read this task file: .*name too long"),
     ],

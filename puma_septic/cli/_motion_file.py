@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import os
 from argparse import Namespace
-from pathlib import Path
 
 from puma_septic.errors import InputError
 from puma_septic.robot import Robot
@@ -15,15 +15,11 @@ __all__ = ["check_place", "write_motion"]
 
 def check_place(arguments: Namespace) -> None:
     """Refuse a file that exists before anything is computed, unless it may be replaced."""
-    if arguments.write is not None and Path(arguments.write).exists() and not arguments.force:
+    if arguments.write is not None and os.path.lexists(arguments.write) and not arguments.force:
         raise InputError(f"{arguments.write} exists; name another file, or --force replaces it")
 
 
 def write_motion(arguments: Namespace, trajectory: Trajectory, robot: Robot) -> None:
     """Write it, in place of a file that may be replaced."""
     check_place(arguments)
-    target = Path(arguments.write)
-    partial = target.with_name(f".{target.stem}.part{target.suffix}")
-    partial.unlink(missing_ok=True)
-    write_joint_trajectory(partial, trajectory, joint_names=robot.joint_names)
-    partial.replace(target)
+    write_joint_trajectory(arguments.write, trajectory, joint_names=robot.joint_names, overwrite=arguments.force)

@@ -6,7 +6,6 @@ import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from puma_septic.cli._arguments import (
@@ -143,6 +142,7 @@ def _write_optimum(arguments: Namespace, resolved: ResolvedTask, result: Result)
     from puma_septic.cli._motion_file import write_motion
     from puma_septic.errors import InputError
     from puma_septic.optimisation import ParetoFront
+    from puma_septic.outputs import write_file
     from puma_septic.task import make_task, resolve_task, task_text
 
     if isinstance(result, ParetoFront):
@@ -160,7 +160,8 @@ def _write_optimum(arguments: Namespace, resolved: ResolvedTask, result: Result)
         raise InputError(
             f"--write {arguments.write}: no task says this optimum, of which more than times was free; .json"
         )
-    Path(arguments.write).write_text(task_text(best, comment="Found by puma-septic optimise."), encoding="utf-8")
+    text = task_text(best, comment="Found by puma-septic optimise.")
+    write_file(arguments.write, text, overwrite=arguments.force)
 
 
 def _is_same(one: Trajectory, other: Trajectory) -> bool:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from contextlib import suppress
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from puma_septic.cli._arguments import add_force, add_payload, add_profile, add_recording, add_task, asked_task
@@ -51,9 +51,9 @@ def run(arguments: Namespace) -> Answer:
 
     assessments, title, names = _shown(arguments)
     if arguments.html is not None:
-        if Path(arguments.html).exists() and not arguments.force:
+        if os.path.lexists(arguments.html) and not arguments.force:
             raise InputError(f"{arguments.html} exists; name another file, or --force replaces it")
-        path = write_replay(arguments.html, assessments, title=title, point_names=names)
+        path = write_replay(arguments.html, assessments, title=title, point_names=names, overwrite=arguments.force)
         return Answer(f"{path}: {path.stat().st_size / 1e6:.1f} MB, works offline; open it in a browser", 0)
     wanted = False if arguments.no_browser else None
     with replay(assessments, title=title, point_names=names, open_browser=wanted, port=arguments.port) as page:

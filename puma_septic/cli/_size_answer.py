@@ -21,9 +21,9 @@ from puma_septic.drives import (
 )
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.motion import Motion
+from puma_septic.outputs import file_names
 from puma_septic.report import new_folder, to_json
 from puma_septic.report.csv import bill_csv, checks_csv, load_profile_csv, motor_profile_csv, pairs_csv
-from puma_septic.report.folder import file_names
 from puma_septic.robot import load_drivetrains, load_electronics
 from puma_septic.sizing import (
     LoadCase,

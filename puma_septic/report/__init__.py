@@ -1,9 +1,9 @@
 """What is handed out: documents, CSV tables, figures, and folders of them."""
 
 from puma_septic.document import to_json
+from puma_septic.outputs import new_folder
 from puma_septic.report._documents import assess_document, numbered, profile_labels
 from puma_septic.report.csv import metrics_csv, named_metrics_csv, samples_csv
-from puma_septic.report.folder import new_folder
 
 __all__ = [
     "assess_document",

@@ -15,6 +15,7 @@ from puma_septic.assessment import Assessment
 from puma_septic.cycle import CycleAssessment
 from puma_septic.errors import InputError, ModelError
 from puma_septic.limit_check import most_used_first
+from puma_septic.outputs import write_file
 from puma_septic.pictures import (
     Bar,
     Entry,
@@ -136,8 +137,10 @@ def report_html(
     return _page(case.title, [_section(case, units)], made)
 
 
-def write_report(path: str | Path, what: Reported, *, title: str | None = None) -> Path:
-    """Write the report as one HTML file; see `report_html`.
+def write_report(path: str | Path, what: Reported, *, title: str | None = None, overwrite: bool = False) -> Path:
+    """Write the report as one HTML file, whole or not at all; see `report_html`.
+
+    With `overwrite` it may replace a file.
 
     Returns
     -------
@@ -147,19 +150,9 @@ def write_report(path: str | Path, what: Reported, *, title: str | None = None) 
     Raises
     ------
     InputError
-        Where the file exists, as nothing is overwritten, or cannot be written, with the reason; and as `report_html`.
+        Where the file exists and may not be replaced, or cannot be written, with the reason; and as `report_html`.
     """
-    target = Path(path)
-    html = report_html(what, title=title)
-    try:
-        with target.open("x", encoding="utf-8") as stream:
-            stream.write(html)
-    except FileExistsError as error:
-        raise InputError(f"{target} exists; nothing is overwritten, name another file") from error
-    except (OSError, ValueError) as error:  # ValueError: a null character in the path
-        why = error.strerror if isinstance(error, OSError) and error.strerror else error
-        raise InputError(f"{str(target)!r}: the report cannot be written there: {why}") from error
-    return target
+    return write_file(path, report_html(what, title=title), overwrite=overwrite)
 
 
 def optimised_html(

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from puma_septic.errors import InputError
-from puma_septic.files import write_new
+from puma_septic.outputs import write_file
 from puma_septic.piecewise import Piecewise
 from puma_septic.ros._interpolation import spline_powers
 from puma_septic.ros._message import JointTrajectoryMessage
@@ -38,6 +38,7 @@ def write_joint_trajectory(
     joint_names: Sequence[str] | None = None,
     effort: Piecewise | None = None,
     tolerance: float = 1e-6,
+    overwrite: bool = False,
 ) -> Path:
     """Write a trajectory as a trajectory_msgs/JointTrajectory, YAML or JSON by the file's ending.
 
@@ -49,7 +50,7 @@ def write_joint_trajectory(
     Parameters
     ----------
     path : path_like
-        Ending in .yaml, .yml or .json; nothing is overwritten.
+        Ending in .yaml, .yml or .json.
     trajectory : Trajectory
         Its first break becomes time_from_start 0.
     joint_names : sequence of str, optional
@@ -60,6 +61,8 @@ def write_joint_trajectory(
         ros2_controllers#699).
     tolerance : float
         Greatest deviation of the controller's motion, rad (m).
+    overwrite : bool
+        Whether it may replace a file.
 
     Returns
     -------
@@ -83,11 +86,11 @@ def write_joint_trajectory(
     ['joint_names:', '- waist', 'points:', '- positions:', '  - 0.0']
     """
     message = message_of(trajectory, joint_names=joint_names, effort=effort, tolerance=tolerance)
-    return write_message(path, message)
+    return write_message(path, message, overwrite=overwrite)
 
 
-def write_message(path: str | PathLike[str], message: JointTrajectoryMessage) -> Path:
-    """Write a message, YAML or JSON by the file's ending; nothing is overwritten.
+def write_message(path: str | PathLike[str], message: JointTrajectoryMessage, *, overwrite: bool = False) -> Path:
+    """Write a message, YAML or JSON by the file's ending; with `overwrite` it may replace a file.
 
     Returns
     -------
@@ -102,7 +105,8 @@ def write_message(path: str | PathLike[str], message: JointTrajectoryMessage) ->
     target = Path(path)
     if target.suffix not in SUFFIXES:
         raise InputError(f"{target}: the name must end in {', '.join(SUFFIXES)}")
-    return write_new(target, text_of(joint_trajectory_document(message), as_json=target.suffix == ".json"))
+    text = text_of(joint_trajectory_document(message), as_json=target.suffix == ".json")
+    return write_file(target, text, overwrite=overwrite)
 
 
 def joint_trajectory_document(message: JointTrajectoryMessage) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from puma_septic.assessment import Assessment, assess
 from puma_septic.document import one_line
 from puma_septic.errors import InputError
 from puma_septic.motion import Motion
+from puma_septic.outputs import write_file
 from puma_septic.viewer._page import page_html
 from puma_septic.viewer._scene import shown
 from puma_septic.viewer._server import PageServer, serve_page
@@ -195,8 +196,11 @@ def write_replay(
     labels: Sequence[str] | None = None,
     title: str | None = None,
     point_names: Sequence[str] = (),
+    overwrite: bool = False,
 ) -> Path:
-    """Write the replay as one HTML file, to keep or to send; see `replay_html`.
+    """Write the replay as one HTML file, to keep or to send, whole or not at all; see `replay_html`.
+
+    With `overwrite` it may replace a file.
 
     Returns
     -------
@@ -206,15 +210,10 @@ def write_replay(
     Raises
     ------
     InputError
-        Where the file cannot be written, with the reason; and as `replay`.
+        Where the file exists and may not be replaced, or cannot be written, with the reason; and as `replay`.
     """
-    target = Path(path)
     html = replay_html(what, labels=labels, title=title, point_names=point_names)
-    try:
-        target.write_text(html, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{target}: the replay cannot be written there: {error.strerror or error}") from error
-    return target
+    return write_file(path, html, overwrite=overwrite)
 
 
 def _labels(profiles: Sequence[str], given: Sequence[str] | None) -> list[str]:

@@ -34,7 +34,7 @@ def test_a_folder_that_cannot_be_written_is_bad_input(tmp_path: Path, capsys: py
     assert main(["replay", "--html", str(tmp_path / "none" / "replay.html")]) == 2
     out, err = capsys.readouterr()
     assert out == ""
-    assert re.fullmatch(r"puma-septic: error: .*replay\.html: the replay cannot be written there: [^\n]*\n", err)
+    assert re.fullmatch(r"puma-septic: error: .*replay\.html.: cannot be written: [^\n]*\n", err)
 
 
 @pytest.mark.slow

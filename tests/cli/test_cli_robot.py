@@ -13,7 +13,7 @@ from helpers.urdf_texts import ARM, INERTIAL
 
 from puma_septic.cli import main
 from puma_septic.cli._messages import spelt
-from puma_septic.report.folder import file_names
+from puma_septic.outputs import file_names
 
 TASK = """name: move
 robot: {source: arm.urdf}

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+from functools import partial
 from typing import Any
 
 __all__ = ["InputError", "ModelError", "NoSolution", "PumaSepticError", "did_you_mean"]
@@ -39,6 +40,10 @@ class NoSolution(PumaSepticError):
         super().__init__(message)
         self.residual = residual
         self.q = q
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # By default the message alone: a process pool waited for ever for what could not be unpickled.
+        return partial(type(self), residual=self.residual, q=self.q), self.args
 
 
 def did_you_mean(unknown: Iterable[str], valid: Iterable[str]) -> str:

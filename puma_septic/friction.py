@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from puma_septic.document import card, known, one_line
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
-from puma_septic.validation import Array, checked_array, checked_number
+from puma_septic.validation import Array, checked_array, checked_number, frozen
 
 __all__ = [
     "FRICTION_TERMS",
@@ -138,18 +138,18 @@ class Friction:
     @property
     def band(self) -> Array:
         """What friction can carry at rest in either direction, N m, shape (2,): the static level, else Coulomb's."""
-        return np.nan_to_num(np.where(np.isnan(self.static), self.coulomb, self.static))
+        return frozen(np.nan_to_num(np.where(np.isnan(self.static), self.coulomb, self.static)))
 
     @property
     def transmission(self) -> Array:
         """Factors of the load where it drives, at rest, and where the motor drives, shape (3,): ``1 -+ load_share``."""
         share = np.nan_to_num(self.load_share)
-        return np.array([1 - share, 1.0, 1 + share])
+        return frozen(np.array([1 - share, 1.0, 1 + share]))
 
     @property
     def excess(self) -> Array:
         """What static friction has beyond Coulomb friction while the joint moves, shape (2,)."""
-        return np.zeros(2) if np.isnan(self.stribeck_velocity) else np.nan_to_num(self.static - self.coulomb)
+        return frozen(np.zeros(2) if np.isnan(self.stribeck_velocity) else np.nan_to_num(self.static - self.coulomb))
 
     def is_same(self, other: Friction) -> bool:
         """Whether all numbers are equal, unknown ones too."""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import Final, final
+from typing import Any, Final, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -101,11 +101,18 @@ class Objective:
     order: int = 0
     needs_robot: bool = False
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _named, (self.name,)
+
     def value(self, candidate: Candidate) -> float:
         """The number, infinite where unbounded."""
         if self.order and not np.isnan(candidate.trajectory.unbounded(self.order)).all():
             return np.inf
         return float(self.parts(candidate).max())
+
+
+def _named(name: str) -> Objective:
+    return OBJECTIVES[name]
 
 
 def checked_objectives(names: Iterable[str], *, at_least: int = 1, at_most: int | None = None) -> tuple[Objective, ...]:

@@ -15,7 +15,7 @@ from puma_septic.piecewise import Extrema, Jumps, Piecewise
 from puma_septic.piecewise.directions import STILL, find_directions
 from puma_septic.piecewise.matrices import end_derivatives
 from puma_septic.quantities import MOTION
-from puma_septic.validation import Array, checked_array, checked_times, read_only
+from puma_septic.validation import Array, checked_array, checked_times, frozen, read_only
 
 __all__ = ["Trajectory"]
 
@@ -297,13 +297,13 @@ class Trajectory:
         above, below = reach.max - self.points.max(axis=0), self.points.min(axis=0) - reach.min
         excess = np.maximum(above, below)
         # Visiting the outermost via itself, to rounding, is no overshoot.
-        return np.where(excess > self._position_rounding, excess, 0.0)
+        return frozen(np.where(excess > self._position_rounding, excess, 0.0))
 
     @property
     def via_miss(self) -> Array:
         """Largest distance of each joint from a via point at its time, rad, shape (n_joints,)."""
         miss = np.abs(self(self.times) - self.points).max(axis=0)
-        return np.where(miss > _SAME + self._position_rounding, miss, 0.0)
+        return frozen(np.where(miss > _SAME + self._position_rounding, miss, 0.0))
 
     @property
     def _position_rounding(self) -> Array:

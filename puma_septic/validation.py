@@ -1,9 +1,11 @@
-"""Arrays at the door: float64, the right shape, finite, and a read-only copy."""
+"""Arrays and numbers at the door: float64, the right shape, finite, read-only; mappings that stay as they are."""
 
 from __future__ import annotations
 
 import reprlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import fields
+from typing import Any, TypeVar, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,14 +14,48 @@ from puma_septic.errors import InputError, did_you_mean
 
 __all__ = [
     "Array",
+    "FrozenMap",
     "checked_array",
     "checked_choice",
     "checked_number",
     "checked_times",
+    "freeze_fields",
+    "frozen",
     "read_only",
 ]
 
 Array = NDArray[np.float64]
+AnyArray = TypeVar("AnyArray", bound=NDArray[np.generic])
+Key = TypeVar("Key")
+Value = TypeVar("Value", covariant=True)
+
+
+@final
+class FrozenMap(Mapping[Key, Value]):
+    """A copy of a mapping that cannot be written, and, other than `types.MappingProxyType`, can be pickled and copied.
+
+    Examples
+    --------
+    >>> FrozenMap({"a": 1})
+    {'a': 1}
+    """
+
+    __slots__ = ("_items",)
+
+    def __init__(self, items: Mapping[Key, Value]) -> None:
+        self._items = dict(items)
+
+    def __getitem__(self, key: Key) -> Value:
+        return self._items[key]
+
+    def __iter__(self) -> Iterator[Key]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def __repr__(self) -> str:
+        return repr(self._items)
 
 
 def read_only(array: ArrayLike) -> Array:
@@ -27,6 +63,28 @@ def read_only(array: ArrayLike) -> Array:
     copy = np.array(array, dtype=np.float64)
     copy.setflags(write=False)
     return copy
+
+
+def frozen(array: AnyArray) -> AnyArray:
+    """The same array, which its maker alone has, without leave to write.
+
+    Examples
+    --------
+    >>> frozen(np.zeros(2)).flags.writeable
+    False
+    """
+    array.setflags(write=False)
+    return array
+
+
+def freeze_fields(value: Any) -> None:
+    """Forbid writing to the arrays, and copy the mappings, that a value has just been made of."""
+    for field in fields(value):
+        given = getattr(value, field.name, None)
+        if isinstance(given, np.ndarray):
+            frozen(given)
+        elif isinstance(given, Mapping):
+            object.__setattr__(value, field.name, FrozenMap(given))
 
 
 def checked_array(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, final
@@ -21,7 +22,7 @@ from puma_septic.piecewise import Extrema
 from puma_septic.quantities import MAGNITUDES, QUANTITIES
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_choice, checked_number, read_only
+from puma_septic.validation import Array, FrozenMap, checked_choice, checked_number, frozen, read_only
 from puma_septic.views import assessment as view
 from puma_septic.views.checks import verdict
 
@@ -267,7 +268,7 @@ class Assessment:
         return unknown_values(self.motion.robot)
 
     @property
-    def margins(self) -> dict[str, Array]:
+    def margins(self) -> Mapping[str, Array]:
         """``1 - demand / limit`` by quantity; for positions the distance in rad to the nearest bound.
 
         Shape (n_joints,) each; NaN where the limit is not known, ``-inf`` where the demand is infinite.
@@ -276,7 +277,7 @@ class Assessment:
         result = {quantity: np.full(len(names), np.nan) for quantity in self.motion.robot.limits.quantities}
         for check in self.checks:
             result[check.quantity][names.index(check.joint)] = check.margin
-        return result
+        return FrozenMap({quantity: frozen(margins) for quantity, margins in result.items()})
 
     @property
     def remarks(self) -> tuple[str, ...]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from types import MappingProxyType
 from typing import Any, final
 
 import numpy as np
@@ -15,7 +14,7 @@ from puma_septic.comparison._advice import Candidate, advice_of, ranked, recomme
 from puma_septic.document import SCHEMAS, card, frame, one_line, plain
 from puma_septic.objectives import Objective, non_dominated
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_choice
+from puma_septic.validation import Array, FrozenMap, checked_choice, frozen
 from puma_septic.views import comparison as view
 from puma_septic.views.layout import laid_out
 
@@ -51,7 +50,7 @@ class ComparedProfile:
     objectives: Mapping[str, float]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "objectives", MappingProxyType(dict(self.objectives)))
+        object.__setattr__(self, "objectives", FrozenMap(self.objectives))
 
     @property
     def trajectory(self) -> Trajectory:
@@ -67,7 +66,7 @@ class ComparedProfile:
     def integral_of_squared_jerk(self) -> Array:
         """rad^2/s^5; infinite where the jerk is unbounded."""
         jerk = self.trajectory.derivative(3)
-        return np.where(np.isinf(self.assessment.peak_jerk), np.inf, jerk.inner(jerk))
+        return frozen(np.where(np.isinf(self.assessment.peak_jerk), np.inf, jerk.inner(jerk)))
 
     @cached_property
     def end_jerk(self) -> Array:
@@ -79,7 +78,7 @@ class ComparedProfile:
             jumps = trajectory.jumps(order)
             sizes = jumps.sizes[np.isin(jumps.times, ends)]
             at_ends[order] = np.abs(sizes).max(axis=0, initial=0.0)
-        return np.where((at_ends[1] > 0) | (at_ends[2] > 0), np.inf, at_ends[3])
+        return frozen(np.where((at_ends[1] > 0) | (at_ends[2] > 0), np.inf, at_ends[3]))
 
     @cached_property
     def continuity(self) -> str:
@@ -103,7 +102,7 @@ class ComparedProfile:
     def singularities_crossed(self) -> Mapping[str, int]:
         """How often each kind of singular posture is crossed, those that are."""
         reports = self.assessment.tool.singularities
-        return {report.kind: len(report.crossings) for report in reports if len(report.crossings)}
+        return FrozenMap({report.kind: len(report.crossings) for report in reports if len(report.crossings)})
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -124,17 +123,18 @@ class ComparedProfile:
         return tuple(notes)
 
     @property
-    def per_joint(self) -> dict[str, Array]:
+    def per_joint(self) -> Mapping[str, Array]:
         """Every metric by joint, shape (n_joints,) each."""
         sources = (self, self.trajectory, self.assessment)
-        return {name: getattr(next(one for one in sources if hasattr(one, name)), name) for name in _PER_JOINT}
+        return FrozenMap(
+            {name: getattr(next(one for one in sources if hasattr(one, name)), name) for name in _PER_JOINT}
+        )
 
     @property
-    def overall(self) -> dict[str, float]:
+    def overall(self) -> Mapping[str, float]:
         """Each metric of the worst joint, integrals and energies summed."""
-        return {
-            name: float(values.sum() if name in _SUMMED else values.max()) for name, values in self.per_joint.items()
-        }
+        worst = self.per_joint.items()
+        return FrozenMap({name: float(values.sum() if name in _SUMMED else values.max()) for name, values in worst})
 
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready document, one of `Comparison.to_dict`'s profiles."""
@@ -195,7 +195,7 @@ class Comparison:
     own: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "unsuitable", MappingProxyType(dict(self.unsuitable)))
+        object.__setattr__(self, "unsuitable", FrozenMap(self.unsuitable))
 
     def __getitem__(self, name: str) -> ComparedProfile:
         """The row of a profile."""

@@ -30,7 +30,7 @@ from puma_septic.motion import Motion, compute_motion, joined
 from puma_septic.piecewise import Jumps, Piecewise
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_number
+from puma_septic.validation import Array, checked_number, frozen
 
 __all__ = ["Cycle", "way_back", "with_return"]
 
@@ -88,7 +88,7 @@ class Cycle:
     @cached_property
     def starts(self) -> Array:
         """Instants at which the steps begin, and the end of the last, s, shape (n_steps + 1,)."""
-        return np.concatenate([[0.0], np.cumsum([step.position.duration for step in self._stretches])])
+        return frozen(np.concatenate([[0.0], np.cumsum([step.position.duration for step in self._stretches])]))
 
     @property
     def duration(self) -> float:
@@ -136,12 +136,12 @@ class Cycle:
     @cached_property
     def velocity_sign(self) -> Array:
         """Direction of each joint on each interval of ``load_torque.breaks``, 0 at rest, shape (n, n_joints)."""
-        return np.concatenate([step.direction for step in self._stretches])
+        return frozen(np.concatenate([step.direction for step in self._stretches]))
 
     @cached_property
     def braked(self) -> NDArray[np.bool_]:
         """Whether a brake holds the joints on each interval of ``load_torque.breaks``, shape (n,)."""
-        return np.concatenate([np.full(len(step.direction), step.braked) for step in self._stretches])
+        return frozen(np.concatenate([np.full(len(step.direction), step.braked) for step in self._stretches]))
 
     @cached_property
     def inertia(self) -> Piecewise:
@@ -192,12 +192,12 @@ class Cycle:
         if self.is_periodic:
             counted = (jumps.times > 0) & (jumps.times < self.duration)
         steps = Jumps(times=jumps.times[counted], sizes=jumps.sizes[counted])
-        return impulses(self.robot, self.trajectory, steps)[0]
+        return frozen(impulses(self.robot, self.trajectory, steps)[0])
 
     @cached_property
     def rms_torque(self) -> Array:
         """Root mean square of `torque` over the whole cycle, shape (n_joints,); infinite where it is unbounded."""
-        return np.where(np.isnan(self.unbounded), self.torque.rms(), np.inf)
+        return frozen(np.where(np.isnan(self.unbounded), self.torque.rms(), np.inf))
 
     @cached_property
     def mean_speed(self) -> Array:
@@ -206,7 +206,7 @@ class Cycle:
         velocity = velocity.split(self.load_torque.breaks)
         travel = np.diff(velocity.integral()(velocity.breaks), axis=0)
         # A joint reverses at breaks only, so that each interval's travel has one direction.
-        return np.asarray(np.abs(travel).sum(axis=0) / self.duration)
+        return frozen(np.asarray(np.abs(travel).sum(axis=0) / self.duration))
 
     def _sequence(self, functions: Sequence[Piecewise]) -> Piecewise:
         """Functions that each begin at 0, one after the other."""

@@ -16,7 +16,7 @@ from puma_septic.drives._gearbox import Gearbox
 from puma_septic.drives._motor import Motor
 from puma_septic.errors import InputError
 from puma_septic.friction import Friction
-from puma_septic.validation import Array, checked_array
+from puma_septic.validation import Array, FrozenMap, checked_array, frozen
 
 __all__ = ["Catalogue", "Pair"]
 
@@ -98,8 +98,9 @@ class Catalogue:
                 twice = next(pair for k, pair in enumerate(found) if pair in found[:k])
                 raise InputError(f"the pair {self.motors[twice[0]].name}, {self.gearboxes[twice[1]].name} occurs twice")
             first, second = np.array(found, dtype=np.int64).reshape(-1, 2).T
-        object.__setattr__(self, "motor_index", first)
-        object.__setattr__(self, "gearbox_index", second)
+        object.__setattr__(self, "motor_index", frozen(first))
+        object.__setattr__(self, "gearbox_index", frozen(second))
+        object.__setattr__(self, "other", FrozenMap({part: FrozenMap(said) for part, said in self.other.items()}))
         for k, pair in enumerate(self.pairs or ()):
             if pair.friction is not None:
                 self.drivetrain(k, 0)

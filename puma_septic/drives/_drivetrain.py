@@ -15,7 +15,7 @@ from puma_septic.drives._part_checks import ABSOLUTE_ZERO_CELSIUS
 from puma_septic.drives._stage import LinearStage
 from puma_septic.errors import InputError
 from puma_septic.friction import Friction
-from puma_septic.validation import Array, checked_number
+from puma_septic.validation import Array, checked_number, frozen
 
 __all__ = ["Drivetrain"]
 
@@ -179,8 +179,8 @@ class Drivetrain:
             return self.measured_friction.transmission
         efficiency, backward = self.gearbox.load_efficiency, self.gearbox.backward_efficiency
         if np.isnan(efficiency):
-            return np.ones(3)
-        return np.array([efficiency if np.isnan(backward) else backward, 1.0, 1 / efficiency])
+            return frozen(np.ones(3))
+        return frozen(np.array([efficiency if np.isnan(backward) else backward, 1.0, 1 / efficiency]))
 
     @property
     def joint_friction(self) -> Friction:

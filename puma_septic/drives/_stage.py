@@ -17,7 +17,7 @@ from puma_septic.drives._part_checks import (
     check_texts,
     check_values,
 )
-from puma_septic.validation import Array, checked_choice, checked_number
+from puma_septic.validation import Array, checked_choice, checked_number, frozen
 
 __all__ = ["LinearStage"]
 
@@ -95,9 +95,9 @@ class LinearStage:
     def transmission(self) -> Array:
         """Factors of the load where the load drives, at rest, and where the motor drives, shape (3,)."""
         if np.isnan(self.efficiency):
-            return np.ones(3)
+            return frozen(np.ones(3))
         backward = self.efficiency if np.isnan(self.backward_efficiency) else self.backward_efficiency
-        return np.array([backward, 1.0, 1 / self.efficiency])
+        return frozen(np.array([backward, 1.0, 1 / self.efficiency]))
 
     def __repr__(self) -> str:
         return one_line("LinearStage", self._facts())

@@ -26,7 +26,7 @@ from puma_septic.kinematics._poses import CONDITIONS, RIGIDITY, Conditions, chec
 from puma_septic.kinematics._puma_branches import CONFIGURATIONS, SINGULARITIES, PumaGeometry
 from puma_septic.kinematics._wrapping import within
 from puma_septic.robot import Robot
-from puma_septic.validation import Array, checked_array, checked_choice, checked_number, read_only
+from puma_septic.validation import Array, checked_array, checked_choice, checked_number, freeze_fields, read_only
 from puma_septic.views.tables import html_table
 
 __all__ = [
@@ -71,6 +71,9 @@ class IkSolutions:
     residual: Array
     is_complete: bool
     starts: int
+
+    def __post_init__(self) -> None:
+        freeze_fields(self)
 
     @property
     def extent(self) -> str:

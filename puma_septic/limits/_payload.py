@@ -23,7 +23,7 @@ from puma_septic.piecewise import Piecewise
 from puma_septic.quantities import QUANTITIES
 from puma_septic.robot import Payload, Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, read_only
+from puma_septic.validation import Array, checked_array, frozen, read_only
 from puma_septic.views import limits as view
 
 __all__ = ["Load", "MaximumPayload", "maximum_payload"]
@@ -54,7 +54,7 @@ class Load:
         """The ten parameters of 1 kg; see `puma_septic.dynamics.payload_torque`."""
         c = self.com
         about_origin = self.gyration + (c @ c) * np.eye(3) - np.outer(c, c)
-        return np.array([1.0, *c, *about_origin[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]])
+        return frozen(np.array([1.0, *c, *about_origin[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]]))
 
 
 def checked_load(robot: Robot, com: ArrayLike | None, gyration: ArrayLike | None) -> Load:

@@ -22,7 +22,7 @@ from puma_septic.motion import Motion, compute_motion
 from puma_septic.piecewise import Piecewise
 from puma_septic.piecewise.combinations import Combinations
 from puma_septic.quantities import QUANTITIES
-from puma_septic.validation import Array, checked_array, checked_number, read_only
+from puma_septic.validation import Array, checked_array, checked_number, freeze_fields, read_only
 
 __all__ = [
     "Sweep",
@@ -75,6 +75,9 @@ class Sweep:
     governing_quantity: NDArray[np.str_]
     is_feasible: NDArray[np.bool_]
     not_assessed: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        freeze_fields(self)
 
     @property
     def peak_torque(self) -> Array:

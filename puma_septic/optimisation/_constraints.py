@@ -183,9 +183,9 @@ class Verdict:
         return "; ".join(f"{label}: {', '.join(texts)}" for label, texts in named.items() if texts)
 
     @property
-    def sentence(self) -> list[str]:
+    def sentence(self) -> tuple[str, ...]:
         """The statement as lines of a text."""
-        return wrap(f"{self.statement[0].upper()}{self.statement[1:]}.", 100)
+        return tuple(wrap(f"{self.statement[0].upper()}{self.statement[1:]}.", 100))
 
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready part of a document."""

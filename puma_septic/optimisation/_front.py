@@ -28,7 +28,7 @@ from puma_septic.optimisation._variables import MakeTrajectory
 from puma_septic.paths import ToolLimits
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, read_only
+from puma_septic.validation import Array, frozen, read_only
 from puma_septic.views.tables import Cell, text_table
 
 __all__ = ["ParetoFront", "pareto_front"]
@@ -70,7 +70,7 @@ class ParetoFront:
     @property
     def times(self) -> Array:
         """Via times of each, shape (n, k), s."""
-        return np.stack([trajectory.times for trajectory in self.trajectories])
+        return frozen(np.stack([trajectory.times for trajectory in self.trajectories]))
 
     @property
     def statement(self) -> str:

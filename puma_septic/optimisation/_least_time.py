@@ -36,7 +36,7 @@ from puma_septic.paths import ToolLimits
 from puma_septic.quantities import COMMON, MOTION
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array
+from puma_septic.validation import Array, checked_array, frozen
 from puma_septic.views.tables import Cell, text_table
 
 __all__ = ["LeastTime", "least_time"]
@@ -80,7 +80,7 @@ class LeastTime:
     @property
     def utilisation(self) -> Array:
         """Exact peaks as shares of the limits, shape (3, n_joints); NaN where there is no limit."""
-        return np.stack([self.trajectory.peak(order)[0] for order in (1, 2, 3)]) / self.limits
+        return frozen(np.stack([self.trajectory.peak(order)[0] for order in (1, 2, 3)]) / self.limits)
 
     @property
     def is_feasible(self) -> bool:

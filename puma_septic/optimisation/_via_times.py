@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from textwrap import wrap
-from types import MappingProxyType
 from typing import Any, Final, final
 
 import numpy as np
@@ -29,7 +28,7 @@ from puma_septic.optimisation._variables import MakeTrajectory
 from puma_septic.paths import ToolLimits
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array
+from puma_septic.validation import Array, FrozenMap
 from puma_septic.views.tables import Cell, text_table
 
 __all__ = ["OptimisedTimes", "optimise_via_times"]
@@ -261,6 +260,6 @@ def _with_structure(setting: Setting, goal: Objective) -> Setting:
 def _free_values(setting: Setting, searched: Setting, x: Array, goal: Objective) -> Mapping[str, Array]:
     variables, times = setting.variables, searched.variables.times(x)
     if searched is setting:
-        return MappingProxyType(variables.values(x, times))
+        return FrozenMap(variables.values(x, times))
     order = SQUARES[goal.name]
     return best_free_values(variables.make, variables.points, times, free=variables.free, order=order)

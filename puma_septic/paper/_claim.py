@@ -5,12 +5,11 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any, Final, Literal, final
 
 import numpy as np
 
-from puma_septic.validation import Array
+from puma_septic.validation import Array, FrozenMap
 
 __all__ = ["VERDICTS", "Claim", "Verdict", "times_text", "verdict_of"]
 
@@ -48,7 +47,7 @@ class Claim:
     explanation: str
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "measured", MappingProxyType(dict(self.measured)))
+        object.__setattr__(self, "measured", FrozenMap(self.measured))
 
     def __str__(self) -> str:
         lines = (f"{self.number}. {self.text} [{self.source}]", f"{self.verdict.upper()}. {self.explanation}")

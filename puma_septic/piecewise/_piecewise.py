@@ -15,7 +15,7 @@ from puma_septic.piecewise import matrices
 from puma_septic.piecewise._fitting import Intervals, fit_series
 from puma_septic.piecewise._results import Extrema, Jumps
 from puma_septic.piecewise._search import find_extrema, find_sign_changes
-from puma_septic.validation import Array, checked_array, checked_times, read_only
+from puma_septic.validation import Array, checked_array, checked_times, frozen, read_only
 
 __all__ = ["Piecewise"]
 
@@ -218,12 +218,12 @@ class Piecewise:
     @property
     def lengths(self) -> Array:
         """Lengths of the intervals in s, shape (n,)."""
-        return self.offsets[1:] - self.offsets[:-1]
+        return frozen(self.offsets[1:] - self.offsets[:-1])
 
     @property
     def middles(self) -> Array:
         """Instants in the middle of the intervals, s, shape (n,)."""
-        return self.start + (self.offsets[:-1] + self.offsets[1:]) / 2
+        return frozen(self.start + (self.offsets[:-1] + self.offsets[1:]) / 2)
 
     def __getitem__(self, components: int | slice | Sequence[int] | NDArray[np.int64]) -> Piecewise:
         """One component, or some, also repeated (``f[[0, 0, 1]]``), as a function of its own."""

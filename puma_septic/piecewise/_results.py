@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from puma_septic.validation import Array
+from puma_septic.validation import Array, freeze_fields, frozen
 
 __all__ = ["Extrema", "Jumps"]
 
@@ -33,20 +33,19 @@ class Extrema:
 
     def __post_init__(self) -> None:
         # Kept by what they describe, which writing to them would falsify.
-        for array in (self.min, self.max, self.t_min, self.t_max):
-            array.setflags(write=False)
+        freeze_fields(self)
 
     @property
     def peak(self) -> Array:
         """Largest magnitude, shape (m,)."""
-        return np.maximum(np.abs(self.min), np.abs(self.max))
+        return frozen(np.maximum(np.abs(self.min), np.abs(self.max)))
 
     @property
     def t_peak(self) -> Array:
         """Instant of the largest magnitude, the first where minimum and maximum are equal to rounding, shape (m,)."""
         down, up = np.abs(self.min), np.abs(self.max)
         first = np.minimum(self.t_min, self.t_max)
-        return np.where(np.abs(down - up) <= _EQUAL * up, first, np.where(down > up, self.t_min, self.t_max))
+        return frozen(np.where(np.abs(down - up) <= _EQUAL * up, first, np.where(down > up, self.t_min, self.t_max)))
 
 
 @final
@@ -66,5 +65,4 @@ class Jumps:
     sizes: Array
 
     def __post_init__(self) -> None:
-        self.times.setflags(write=False)
-        self.sizes.setflags(write=False)
+        freeze_fields(self)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Final, final
 
@@ -11,7 +12,7 @@ from puma_septic.document import card, known, one_line
 from puma_septic.drives import Drivetrain, Gearbox, Motor
 from puma_septic.errors import InputError
 from puma_septic.friction import Friction, checked_levels
-from puma_septic.validation import Array, checked_number
+from puma_septic.validation import Array, FrozenMap, checked_number
 
 __all__ = ["FRICTION_KEYS", "Actuator"]
 
@@ -104,11 +105,11 @@ class Actuator:
         return self.drivetrain.reflected_inertia if self.drivetrain.knows_inertia else np.nan
 
     @property
-    def options(self) -> dict[str, Any]:
+    def options(self) -> Mapping[str, Any]:
         """The optional terms of friction that are known, as `FRICTION_KEYS` calls them."""
         law = self.drivetrain.friction
         values = {key: getattr(law, name) for key, name in FRICTION_KEYS.items()}
-        return {key: value for key, value in values.items() if not np.isnan(value).all()}
+        return FrozenMap({key: value for key, value in values.items() if not np.isnan(value).all()})
 
     def _completed(self) -> Drivetrain:
         """The five values written over all others; friction that has been replaced counts as measured."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from types import MappingProxyType
 from typing import Any, TypeVar, final
 
 import numpy as np
@@ -21,7 +20,7 @@ from puma_septic.robot._actuator import Actuator
 from puma_septic.robot._components import Limits, Payload, Wrench
 from puma_septic.robot._meshes import Geometry, is_drawn
 from puma_septic.robot._mimic import Mimic
-from puma_septic.validation import Array, checked_array, checked_choice, read_only
+from puma_septic.validation import Array, FrozenMap, checked_array, checked_choice, frozen, read_only
 from puma_septic.views import robot as view
 
 __all__ = ["Robot"]
@@ -118,7 +117,7 @@ class Robot:
     def __post_init__(self) -> None:
         object.__setattr__(self, "drivetrains", tuple(self.drivetrains))
         for name in ("mimics", "unusable_inertia"):
-            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+            object.__setattr__(self, name, FrozenMap(getattr(self, name)))
         self._check_consistent()
         joints = [self.bare_model.joints[self.bare_model.getJointId(name)] for name in self.joint_names]
         derived = {
@@ -173,7 +172,7 @@ class Robot:
     @property
     def knows_torque(self) -> NDArray[np.bool_]:
         """Whether each joint's torque can be computed, shape (n_joints,): not where the inertia that it moves lacks."""
-        return np.array([name not in self.missing_inertia for name in self.joint_names])
+        return frozen(np.array([name not in self.missing_inertia for name in self.joint_names]))
 
     @property
     def has_losses(self) -> bool:
@@ -343,7 +342,7 @@ class Robot:
             "axis": plain(axis),
             "mass": self._moved_mass(self.joint_names[j]),
             "limits": {name: plain(getattr(self.limits, name)[j]) for name in self.limits.quantities},
-            "actuator": plain({key: getattr(actuator, key) for key in _ACTUATOR} | actuator.options),
+            "actuator": plain({**{key: getattr(actuator, key) for key in _ACTUATOR}, **actuator.options}),
         }
 
     def _moved_mass(self, name: str) -> float:

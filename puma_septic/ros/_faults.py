@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, final
+from typing import Any, Final, final
 
 from puma_septic.errors import InputError
 
@@ -67,3 +67,6 @@ class JointTrajectoryError(InputError):
         super().__init__(f"{origin}: {told}{more}")
         self.origin = origin
         self.faults = tuple(faults)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.origin, self.faults)

@@ -17,7 +17,7 @@ from puma_septic.errors import InputError
 from puma_septic.friction import friction_terms
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, checked_choice, checked_number
+from puma_septic.validation import Array, checked_array, checked_choice, checked_number, frozen
 
 __all__ = [
     "LAWS",
@@ -53,6 +53,7 @@ def reference_at(trajectory: Trajectory, since: Array, *, from_left: bool = Fals
     values = state.at_offsets(inside)
     ended = since > duration * (1 + 1e-12) if from_left else since >= duration * (1 - 1e-12)
     values[ended, n:] = 0.0
+    frozen(values)
     return Reference(values[:, :n], values[:, n : 2 * n], values[:, 2 * n : 3 * n])
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Any, final
 
 from puma_septic.document import SCHEMAS, one_line
@@ -15,7 +14,7 @@ from puma_septic.simulation._elasticity import ElasticJoints
 from puma_septic.simulation._simulate import REST_SPEED, simulate_all
 from puma_septic.simulation._simulation import Simulation
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import checked_choice
+from puma_septic.validation import FrozenMap, checked_choice
 from puma_septic.views import execution as view
 
 __all__ = ["Execution", "execute"]
@@ -39,7 +38,7 @@ class Execution:
     simulations: Mapping[str, Simulation] = field(repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "simulations", MappingProxyType(dict(self.simulations)))
+        object.__setattr__(self, "simulations", FrozenMap(self.simulations))
 
     def __getitem__(self, name: str) -> Simulation:
         """The simulation of one trajectory."""

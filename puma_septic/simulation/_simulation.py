@@ -18,7 +18,7 @@ from puma_septic.simulation._elasticity import ElasticJoints
 from puma_septic.simulation._integration import Divergence, Record
 from puma_septic.simulation._plant import LOSS, POSITION, VELOCITY, WORK, Plant
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, read_only
+from puma_septic.validation import Array, freeze_fields, frozen, read_only
 from puma_septic.views import execution as view
 
 __all__ = ["METRICS", "SETTLED", "EnergyBalance", "Metrics", "Simulation"]
@@ -63,6 +63,9 @@ class Metrics:
     tool_end_error: float
     tool_residual_vibration: float
     settling_time: float
+
+    def __post_init__(self) -> None:
+        freeze_fields(self)
 
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready mapping.
@@ -131,11 +134,14 @@ class EnergyBalance:
     work: Array
     taken: Array
 
+    def __post_init__(self) -> None:
+        freeze_fields(self)
+
     @property
     def drift(self) -> Array:
         """What appears from nowhere: stored energy less work and more what is taken, from its value at the start."""
         stored = self.kinetic + self.potential + self.elastic
-        return np.asarray(stored - stored[0] - self.work + self.taken)
+        return frozen(np.asarray(stored - stored[0] - self.work + self.taken))
 
 
 @final
@@ -198,7 +204,7 @@ class Simulation:
     @property
     def is_saturated(self) -> NDArray[np.bool_]:
         """Whether a joint's commanded torque is beyond its limit, shape (n, n_joints)."""
-        return np.asarray(self.saved.commanded != self.saved.applied)
+        return frozen(self.saved.commanded != self.saved.applied)
 
     @property
     def divergence(self) -> Divergence | None:

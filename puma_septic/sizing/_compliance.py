@@ -19,7 +19,7 @@ from puma_septic.errors import InputError
 from puma_septic.limit_check import LimitCheck
 from puma_septic.piecewise import Piecewise
 from puma_septic.sizing._demands import Demands, Peak
-from puma_septic.validation import Array, checked_number
+from puma_septic.validation import Array, checked_number, frozen
 
 __all__ = ["Compliance", "compliance", "windup"]
 
@@ -155,7 +155,7 @@ class Compliance:
     def joint_frequencies(self) -> Array:
         """Of each joint alone, the others rigid, where its load is heaviest, Hz: ``sqrt(K / M_jj) / 2 pi``."""
         heaviest = np.array([float(d.load.inertia.extrema().max[0]) for d in self.demands])
-        return np.asarray(np.sqrt(self._stiffness / heaviest) / (2 * np.pi))
+        return frozen(np.asarray(np.sqrt(self._stiffness / heaviest) / (2 * np.pi)))
 
     @property
     def _stiffness(self) -> Array:

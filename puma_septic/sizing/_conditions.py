@@ -14,7 +14,7 @@ from puma_septic.drives import Drivetrain, Gearbox, Motor, Supply
 from puma_septic.errors import InputError
 from puma_septic.limit_check import AT_LIMIT, LimitCheck
 from puma_septic.sizing._checks import DRIVE_LIMITS
-from puma_septic.validation import Array, checked_array, checked_number
+from puma_septic.validation import Array, FrozenMap, checked_array, checked_number
 
 __all__ = ["Conditions"]
 
@@ -156,7 +156,7 @@ def _is_unasked(value: Array | Mapping[str, float]) -> bool:
     return not value if isinstance(value, Mapping) else bool(np.isnan(value).all())
 
 
-def _checked_margins(given: object) -> dict[str, float]:
+def _checked_margins(given: object) -> Mapping[str, float]:
     margins: dict[str, Any] = dict(given) if isinstance(given, Mapping) else {_ALL: given}
     binding = [limit for limit in DRIVE_LIMITS if limit.kind != "rule of thumb"]
     valid = [_ALL, *dict.fromkeys(limit.kind for limit in binding), *(limit.quantity for limit in binding)]
@@ -166,4 +166,4 @@ def _checked_margins(given: object) -> dict[str, float]:
         margins[name] = checked_number(f"margin of {name}", value, at_least=0.0)
         if not margins[name] < 1:
             raise InputError(f"margin of {name} = {value}: must be less than 1")
-    return margins
+    return FrozenMap(margins)

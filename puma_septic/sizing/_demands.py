@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple, final
@@ -24,7 +25,7 @@ from puma_septic.sizing._gearbox import (
 from puma_septic.sizing._loads import JointLoad, MotorLoad
 from puma_septic.sizing._torque_speed import torque_at_speed
 from puma_septic.sizing._winding import Regeneration, energies, regeneration
-from puma_septic.validation import Array
+from puma_septic.validation import Array, FrozenMap, frozen
 
 __all__ = ["Demands", "Peak"]
 
@@ -120,7 +121,7 @@ class Demands:
         return self.motor.rms_torque
 
     @cached_property
-    def rms_by_cause(self) -> dict[str, float]:
+    def rms_by_cause(self) -> Mapping[str, float]:
         """Root mean squares at the joint, N m: gravity and motion of the links, rotor, friction."""
         ratio = self.train.ratio
         parts = {
@@ -129,7 +130,7 @@ class Demands:
             "rotor": self.motor.parts["rotor"] * ratio,
             "friction": self.motor.parts["friction"] * ratio,
         }
-        return {name: float(f.rms()[0]) for name, f in parts.items()}
+        return FrozenMap({name: float(f.rms()[0]) for name, f in parts.items()})
 
     @cached_property
     def peak_speed(self) -> Peak:
@@ -251,7 +252,7 @@ class Demands:
     @cached_property
     def electric_flows(self) -> Array | None:
         """Electric energy of each stretch in which it is drawn (positive) or returned, J; None where unknown."""
-        return None if self.electric_power is None else energies(self.electric_power)
+        return None if self.electric_power is None else frozen(energies(self.electric_power))
 
     @cached_property
     def electric_energy(self) -> tuple[float, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import insort
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Final, Literal, final
@@ -22,7 +22,7 @@ from puma_septic.sizing._load_cases import LIFE, JointCase, shared_life, shortes
 from puma_septic.sizing._load_features import LoadGrid, merged_peaks
 from puma_septic.sizing._pair_demands import PairDemands, PeakBounds
 from puma_septic.sizing._pair_features import PairParts, PairTable, pair_parts
-from puma_septic.validation import Array, checked_choice
+from puma_septic.validation import Array, FrozenMap, checked_choice, freeze_fields
 
 __all__ = ["RANKS", "JointSelection", "Rank", "select_joint"]
 
@@ -76,6 +76,9 @@ class JointSelection:
     _reason: NDArray[np.int32] = field(repr=False)
     _reason_names: tuple[str, ...] = field(repr=False)
 
+    def __post_init__(self) -> None:
+        freeze_fields(self)
+
     @property
     def best(self) -> Candidate | None:
         """The first of those that are strong enough; None where no pair is."""
@@ -96,18 +99,18 @@ class JointSelection:
         return tuple(names[k] for k in self._reason.tolist())
 
     @cached_property
-    def rejections(self) -> dict[str, int]:
+    def rejections(self) -> Mapping[str, int]:
         """How many pairs each check rejects, as the one that they fail worst; the most frequent first."""
         counts = np.bincount(self._reason[self._reason >= 0], minlength=len(self._reason_names))
         order = np.argsort(-counts, kind="stable")
-        return {self._reason_names[k]: int(counts[k]) for k in order.tolist() if counts[k]}
+        return FrozenMap({self._reason_names[k]: int(counts[k]) for k in order.tolist() if counts[k]})
 
     @cached_property
-    def unknowns(self) -> dict[str, int]:
+    def unknowns(self) -> Mapping[str, int]:
         """How many undecidable pairs lack each member of the least set, the most frequent first."""
         bits = self._lacking[self.is_undecided]
         counts = {name: int(np.count_nonzero(bits >> k & 1)) for k, name in enumerate(names_of(255))}
-        return dict(sorted(((name, n) for name, n in counts.items() if n), key=lambda item: -item[1]))
+        return FrozenMap(dict(sorted(((name, n) for name, n in counts.items() if n), key=lambda item: -item[1])))
 
     @property
     def explanation(self) -> str:

@@ -23,7 +23,7 @@ from puma_septic.sizing._gearbox import average_load_torque
 from puma_septic.sizing._loads import JointLoad
 from puma_septic.sizing._ratios import LoadMoments, load_moments
 from puma_septic.sizing._winding import energies
-from puma_septic.validation import Array
+from puma_septic.validation import Array, freeze_fields
 
 __all__ = ["LoadGrid", "load_grid", "merged_peaks"]
 
@@ -75,6 +75,9 @@ class LoadGrid:
     inertia: float
     driving: Array
     driven: Array
+
+    def __post_init__(self) -> None:
+        freeze_fields(self)
 
     @property
     def with_velocity(self) -> Array:

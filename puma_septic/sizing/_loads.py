@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Final, final
 
@@ -13,7 +14,7 @@ from puma_septic.drives import Drivetrain, Gearbox
 from puma_septic.errors import InputError
 from puma_septic.friction import ROUNDING, resolved
 from puma_septic.piecewise import Piecewise
-from puma_septic.validation import Array
+from puma_septic.validation import Array, freeze_fields
 
 __all__ = ["JointLoad", "MotorLoad", "gear_loss", "gearbox_load", "joint_load", "motor_load"]
 
@@ -133,6 +134,9 @@ class JointLoad:
     number: int = 0
     slide: JointLoad | None = field(default=None, repr=False)
 
+    def __post_init__(self) -> None:
+        freeze_fields(self)
+
     @property
     def duration(self) -> float:
         """Of the cycle, s."""
@@ -167,7 +171,7 @@ class MotorLoad:
         rad/s, signed.
     direction : ndarray, shape (n_intervals,)
         Sign of the speed on each interval, 0 at rest.
-    parts : dict of str to Piecewise
+    parts : mapping of str to Piecewise
         "load" (through the gears, with their efficiency), "rotor" (with the gears' input inertia) and "friction"; they
         sum to `torque`.
     unbounded : float
@@ -177,8 +181,11 @@ class MotorLoad:
     torque: Piecewise
     speed: Piecewise
     direction: Array
-    parts: dict[str, Piecewise]
+    parts: Mapping[str, Piecewise]
     unbounded: float
+
+    def __post_init__(self) -> None:
+        freeze_fields(self)
 
     @property
     def power(self) -> Piecewise:

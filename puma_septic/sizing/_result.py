@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise, starmap
@@ -33,7 +34,7 @@ from puma_septic.sizing._load_cases import (
     worst_outcome,
 )
 from puma_septic.sizing._supply import SUPPLY, SupplyLoad, supply_load
-from puma_septic.validation import Array, checked_choice, checked_number
+from puma_septic.validation import Array, FrozenMap, checked_choice, checked_number
 from puma_septic.views import sizing as view
 from puma_septic.views.checks import verdict
 
@@ -150,20 +151,20 @@ class Sizing:
         return tuple(starmap(outcomes_of_cases, zip(self._cases, self._demands, strict=True)))
 
     @cached_property
-    def supply_loads(self) -> dict[str, SupplyLoad]:
+    def supply_loads(self) -> Mapping[str, SupplyLoad]:
         """What the drives ask of the supply that they share, by load case; empty where no supply is given.
 
         Of the load cases that concern all joints and are not rare.
         """
         supply = self.conditions.supply
         if supply is None:
-            return {}
+            return FrozenMap({})
         common = [case.name for case in self.load_cases if not case.joints and not case.is_rare]
         of_joints = [
             {case.name: demands for case, demands in zip(cases, every, strict=True)}
             for cases, every in zip(self._cases, self._demands, strict=True)
         ]
-        return {name: supply_load([demands[name] for demands in of_joints], supply) for name in common}
+        return FrozenMap({name: supply_load([demands[name] for demands in of_joints], supply) for name in common})
 
     @cached_property
     def compliance(self) -> Compliance:
@@ -214,11 +215,11 @@ class Sizing:
         return governing_check(most_used_first(self.checks), self.conditions)
 
     @property
-    def lacking(self) -> dict[str, tuple[str, ...]]:
+    def lacking(self) -> Mapping[str, tuple[str, ...]]:
         """What of the least set (`LEAST_SET`) is not known, by joint; empty where all is."""
         repeated = (case.cycle.duration for case in self.load_cases if case.share and not case.is_rare)
         cycle, names = min(repeated, default=np.inf), zip(self.cycle.joint_names, self.drivetrains, strict=True)
-        return {name: missing for name, train in names if (missing := lacking(train, cycle=cycle))}
+        return FrozenMap({name: missing for name, train in names if (missing := lacking(train, cycle=cycle))})
 
     @property
     def verdict(self) -> str:

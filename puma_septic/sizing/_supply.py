@@ -18,7 +18,7 @@ from puma_septic.piecewise import Piecewise
 from puma_septic.sizing._checks import NotAssessed, Outcome
 from puma_septic.sizing._demands import Demands, Peak
 from puma_septic.sizing._winding import Regeneration, energies, regeneration
-from puma_septic.validation import Array, checked_number
+from puma_septic.validation import Array, checked_number, frozen
 
 __all__ = ["SUPPLY", "SupplyLoad", "supply_load"]
 
@@ -119,7 +119,7 @@ class SupplyLoad:
     @cached_property
     def flows(self) -> Array | None:
         """Energy of each stretch in which it is drawn (positive) or returned, J; None where unknown or unbounded."""
-        return None if self.power is None or self.is_unbounded else energies(self.power)
+        return None if self.power is None or self.is_unbounded else frozen(energies(self.power))
 
     @property
     def energy(self) -> tuple[float, float]:

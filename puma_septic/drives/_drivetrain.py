@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import final
+from typing import Final, final
 
 import numpy as np
 
@@ -18,6 +18,8 @@ from puma_septic.friction import Friction
 from puma_septic.validation import Array, checked_number, frozen
 
 __all__ = ["Drivetrain"]
+
+_UNKNOWN_LOSSES: Final = "losses of the gears (neither efficiency nor measured friction)"
 
 
 @final
@@ -163,6 +165,16 @@ class Drivetrain:
         return self.motor.peak_curve_at(self.drive.bus_voltage)
 
     @property
+    def continuous_curve(self) -> Array:
+        """The motor's S1 curve likewise, see `Motor.continuous_curve_at`."""
+        return self.motor.continuous_curve_at(self.drive.bus_voltage)
+
+    def continuous_torque_at(self, speed: float) -> float:
+        """That the motor gives at a speed in rad/s at the bus voltage, ambient and altitude, N m; NaN: unknown."""
+        sheet = self.motor.continuous_torque_at(speed, bus_voltage=self.drive.bus_voltage)
+        return sheet * self.continuous_share
+
+    @property
     def reflected_inertia(self) -> float:
         """The same at the joint, ``inertia ratio^2``, or the armature; NaN where neither is known."""
         return self.inertia * self.ratio**2 if np.isnan(self.armature) else self.armature
@@ -199,38 +211,46 @@ class Drivetrain:
     @property
     def left_out(self) -> tuple[str, ...]:
         """What the motor's torque lacks because it is not known."""
-        measured, missing = self.measured_friction, []
-        if np.isnan(self.motor.rotor_inertia):
-            missing.append("rotor inertia")
-        if np.isnan(self.brake_inertia):
-            missing.append("inertia of the holding brake")
-        if self.stage is not None:
-            parts = {
-                "losses": self.stage.efficiency,
-                "inertia": self.stage.inertia,
-                "friction": self.stage.friction_force,
-            }
-            missing += [f"{name} of the {self.stage.kind}" for name, value in parts.items() if np.isnan(value)]
-        if measured is None and np.isnan(self.gearbox.inertia) and self.ratio != 1:
-            missing.append("input inertia of the gears")
-        if measured is None and np.isnan(self.gearbox.efficiency) and not len(self.gearbox.efficiency_map):
-            missing.append("losses of the gears (neither efficiency nor measured friction)")
-        if measured is None and np.isnan(self.friction.viscous):
-            missing.append("viscous friction of the motor")
-        has_map = len(self.gearbox.efficiency_map) and not np.isnan(self.motor.coulomb_friction)
-        if measured is None and np.isnan(self.friction.coulomb).any() and not has_map:
-            missing.append("Coulomb friction (of the motor, or the gears' no-load torque)")
-        if measured is not None and not measured.is_known:
-            missing.append("measured friction (viscous or Coulomb part)")
-        return tuple(missing)
+        motor, measured, stage = self.motor, self.measured_friction, self.stage
+        unknown = {"rotor inertia": motor.rotor_inertia, "inertia of the holding brake": self.brake_inertia}
+        if stage is not None:
+            unknown[f"losses of the {stage.kind}"] = stage.efficiency
+            unknown[f"inertia of the {stage.kind}"] = stage.inertia
+            unknown[f"friction of the {stage.kind}"] = stage.friction_force
+        if self.ratio != 1:
+            unknown["input inertia of the gears"] = self.gearbox.inertia
+        if measured is None:
+            unknown |= self._losses
+        elif not measured.is_known:
+            unknown["measured friction (viscous or Coulomb part)"] = np.nan
+        return tuple(name for name, value in unknown.items() if np.isnan(value))
+
+    @property
+    def _losses(self) -> dict[str, float]:
+        """Of motor and gears, where they were not measured together."""
+        motor, gearbox = self.motor, self.gearbox
+        losses = {} if len(gearbox.efficiency_map) else {_UNKNOWN_LOSSES: gearbox.efficiency}
+        losses |= {
+            "viscous friction of the motor": motor.viscous_friction,
+            "Coulomb friction of the motor": motor.coulomb_friction,
+        }
+        # A direct drive has no gears, and what was measured with all losses in it needs no more.
+        has_more = self.ratio != 1 and not len(gearbox.efficiency_map)
+        return losses | ({"no-load torque of the gears": gearbox.no_load_torque} if has_more else {})
 
     @property
     def assumptions(self) -> tuple[str, ...]:
         """What was taken for a value that is not known."""
-        forward, backward = self.gearbox.efficiency, self.gearbox.backward_efficiency
-        if self.measured_friction is None and np.isnan(backward) and not np.isnan(forward):
-            return (f"backward efficiency of the gears as forward: {forward:g}",)
-        return ()
+        losses: dict[str, Gearbox | LinearStage] = {}
+        if self.measured_friction is None:
+            losses["gears"] = self.gearbox
+        if self.stage is not None:
+            losses[self.stage.kind] = self.stage
+        return tuple(
+            f"backward efficiency of the {name} as forward: {part.efficiency:g}"
+            for name, part in losses.items()
+            if np.isnan(part.backward_efficiency) and not np.isnan(part.efficiency)
+        )
 
     def __repr__(self) -> str:
         return one_line("Drivetrain", self._facts())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -34,13 +35,17 @@ def _has_curve(motor: Motor) -> bool:
     return len(motor.peak_curve) > 0 or len(motor.peak_curves) > 0
 
 
+def _has_continuous_curve(motor: Motor) -> bool:
+    return len(motor.continuous_curve) > 0 or len(motor.continuous_curves) > 0
+
+
 def _known(*values: float) -> bool:
     return not np.isnan(values).all()
 
 
 _NEEDS: Final = (
     _Need("rotor inertia", "motor", lambda m, *_: _known(m.rotor_inertia)),
-    _Need("continuous torque", "motor", lambda m, *_: _known(m.continuous_torque) or len(m.continuous_curve) > 0),
+    _Need("continuous torque", "motor", lambda m, *_: _known(m.continuous_torque) or _has_continuous_curve(m)),
     # Above its rated ambient or altitude less of it is left, and who does not say how much must not win by it.
     _Need(
         "continuous torque at this ambient and altitude", "motor",
@@ -52,6 +57,11 @@ _NEEDS: Final = (
     ),
     # A curve of peak torque ends at the highest speed.
     _Need("highest speed", "motor", lambda m, *_: _known(m.max_speed) or _has_curve(m)),
+    # Curves that hold at higher voltages than the bus has, or at an unknown one, tell nothing that decides.
+    _Need(
+        "torque over speed at this bus voltage", "motor",
+        lambda m, place, _: m.has_curves_at(place.drive.bus_voltage),
+    ),
     _Need("average torque", "gearbox", lambda g, *_: _known(g.max_average_torque) or _is_direct(g)),
     _Need("repeated peak torque", "gearbox", lambda g, *_: _known(g.max_repeated_torque) or _is_direct(g)),
     # Beyond 1000 cycles an hour the peaks of a planetary gear count more than once.
@@ -59,7 +69,7 @@ _NEEDS: Final = (
     _Need(
         "efficiency or measured friction", "gearbox",
         lambda g, *_: _known(g.efficiency) or len(g.efficiency_map) > 0 or _is_direct(g),
-        lambda train: train.measured_friction is not None,
+        lambda train: train.measured_friction is not None and train.measured_friction.is_known,
     ),
 )  # fmt: skip
 LEAST_SET: Final = tuple(f"{need.name} of the {need.part}" for need in _NEEDS)
@@ -113,10 +123,10 @@ def lacking_of_pairs(catalogue: Catalogue, place: Drivetrain, *, cycle: float) -
     -------
     ndarray of uint16, shape (n_pairs,)
     """
-    motors, gearboxes = (
-        np.array([_part_bits(kind, part, place, cycle) for part in parts], dtype=np.uint16)
-        for kind, parts in (("motor", catalogue.motors), ("gearbox", catalogue.gearboxes))
-    )
+    fed = [replace(place, drive=catalogue.drive(i, place)) for i in range(len(catalogue.motors))]
+    of_motors = [_part_bits("motor", *both, cycle) for both in zip(catalogue.motors, fed, strict=True)]
+    of_gearboxes = [_part_bits("gearbox", part, place, cycle) for part in catalogue.gearboxes]
+    motors, gearboxes = (np.array(bits, dtype=np.uint16) for bits in (of_motors, of_gearboxes))
     bits = motors[catalogue.motor_index] | gearboxes[catalogue.gearbox_index]
     for k, pair in enumerate(catalogue.pairs or ()):
         if bits[k] and (pair.friction is not None or not np.isnan(pair.max_effort)):

@@ -101,7 +101,8 @@ class Motor:
     continuous_curve : array_like, shape (k, 2)
         The same over the speed (S1 curve), instead of `continuous_torque`; rows as in `peak_curve`.
     rated_ambient_celsius : float
-        Ambient for which the continuous torque is stated, degrees Celsius.
+        Ambient for which the continuous torque is stated, degrees Celsius; NaN: the sheet does not tell, and the
+        customary 40 is taken.
     ambient_derating : float
         Share of the continuous torque that is lost per K above it; NaN: it follows from the winding's highest
         temperature.
@@ -116,8 +117,8 @@ class Motor:
         Of the holding brake in the motor: N m and kg m^2 that it adds to the rotor.
     brake_stop_energy, brake_total_energy : float
         J that it bears in one emergency stop, and in its life.
-    peak_curves : sequence of (float, array_like)
-        Curves as `peak_curve`, each with the bus voltage, V, at which it holds.
+    peak_curves, continuous_curves : sequence of (float, array_like)
+        Curves as `peak_curve` and `continuous_curve`, each with the bus voltage, V, at which it holds.
     max_speed : float
         rad/s.
     peak_power : float
@@ -169,7 +170,8 @@ class Motor:
     continuous_torque: float = np.nan
     continuous_curve: Array = field(default_factory=no_curve)
     peak_curves: tuple[tuple[float, Array], ...] = ()
-    rated_ambient_celsius: float = _RATED_AMBIENT_CELSIUS
+    continuous_curves: tuple[tuple[float, Array], ...] = ()
+    rated_ambient_celsius: float = np.nan
     ambient_derating: float = np.nan
     altitude_curve: Array = field(default_factory=no_curve)
     geared_share: float = np.nan
@@ -206,19 +208,21 @@ class Motor:
     def _check_curves(self) -> None:
         for name in ("peak_curve", "continuous_curve"):
             object.__setattr__(self, name, checked_curve(name, getattr(self, name)))
-        if len(self.continuous_curve) and not np.isnan(self.continuous_torque):
-            raise InputError("give continuous_torque (any speed) or continuous_curve, not both")
-        curves = [
-            (
-                checked_number("bus voltage of peak_curves", volts, unit="V", above=0.0),
-                checked_curve("peak_curves", rows),
-            )
-            for volts, rows in self.peak_curves
-        ]
-        if curves and len(self.peak_curve):
-            raise InputError("give peak_curve (any bus voltage) or peak_curves, not both")
-        object.__setattr__(self, "peak_curves", tuple(sorted(curves, key=lambda item: item[0])))
+            self._check_curves_of_voltages(name)
+        for name in ("continuous_curve", "continuous_curves"):
+            if len(getattr(self, name)) and not np.isnan(self.continuous_torque):
+                raise InputError(f"give continuous_torque (any speed) or {name}, not both")
         object.__setattr__(self, "altitude_curve", checked_shares("altitude_curve", self.altitude_curve, unit="m"))
+
+    def _check_curves_of_voltages(self, name: str) -> None:
+        several = f"{name}s"
+        curves = [
+            (checked_number(f"bus voltage of {several}", volts, unit="V", above=0.0), checked_curve(several, rows))
+            for volts, rows in getattr(self, several)
+        ]
+        if curves and len(getattr(self, name)):
+            raise InputError(f"give {name} (any bus voltage) or {several}, not both")
+        object.__setattr__(self, several, tuple(sorted(curves, key=lambda item: item[0])))
 
     def _check_thermal(self) -> None:
         for name, unit in (("thermal_resistances", "K/W"), ("thermal_time_constants", "s")):
@@ -232,24 +236,37 @@ class Motor:
                 " thermal_time_constants: expected one of each per node"
             )
 
-    def continuous_torque_at(self, speed: float) -> float:
+    def continuous_torque_at(self, speed: float, *, bus_voltage: float = np.nan) -> float:
         """Continuous torque at a speed in rad/s: 0 beyond the end of the S1 curve, NaN where unknown."""
-        if len(self.continuous_curve):
-            return float(np.interp(abs(speed), self.continuous_curve[:, 0], self.continuous_curve[:, 1], right=0.0))
+        curve = self.continuous_curve_at(bus_voltage)
+        if len(curve):
+            return float(np.interp(abs(speed), curve[:, 0], curve[:, 1], right=0.0))
         return self.continuous_torque
 
     def peak_curve_at(self, bus_voltage: float) -> Array:
-        """The curve of torque over speed that holds at a bus voltage, V; no rows where none does.
+        """The curve of torque over speed at a bus voltage, V; no rows where there is none.
 
         Of several curves the one of the highest voltage that the bus reaches: at a higher voltage a motor can do no
-        less.
+        less. Below all of them it can do no more than the lowest one says, see `has_curves_at`.
 
         Returns
         -------
         ndarray, shape (k, 2)
         """
-        within = [curve for volts, curve in self.peak_curves if volts <= bus_voltage]
-        return within[-1] if within else self.peak_curve
+        return _curve_at(self.peak_curves, bus_voltage, self.peak_curve)
+
+    def continuous_curve_at(self, bus_voltage: float) -> Array:
+        """The S1 curve at a bus voltage, V, chosen likewise; no rows where there is none.
+
+        Returns
+        -------
+        ndarray, shape (k, 2)
+        """
+        return _curve_at(self.continuous_curves, bus_voltage, self.continuous_curve)
+
+    def has_curves_at(self, bus_voltage: float) -> bool:
+        """Whether the bus reaches a voltage of each set of curves, or there are no sets."""
+        return all(curves[0][0] <= bus_voltage for curves in (self.peak_curves, self.continuous_curves) if curves)
 
     def continuous_share(self, *, ambient_celsius: float, altitude: float = 0.0) -> float:
         """Share of the continuous torque that is left at an ambient and an altitude; NaN where it is not known.
@@ -281,7 +298,8 @@ class Motor:
         return self._ambient_share(ambient_celsius) * self._altitude_share(altitude)
 
     def _ambient_share(self, ambient_celsius: float) -> float:
-        excess = ambient_celsius - self.rated_ambient_celsius
+        rated = self.rated_ambient_celsius
+        excess = ambient_celsius - (_RATED_AMBIENT_CELSIUS if np.isnan(rated) else rated)
         if excess <= 0:
             return 1.0
         if not np.isnan(self.ambient_derating):
@@ -340,3 +358,9 @@ class Motor:
                 "source": "",
             },
         )
+
+
+def _curve_at(curves: tuple[tuple[float, Array], ...], bus_voltage: float, any_voltage: Array) -> Array:
+    if not curves or np.isnan(bus_voltage):
+        return any_voltage
+    return next((curve for volts, curve in reversed(curves) if volts <= bus_voltage), curves[0][1])

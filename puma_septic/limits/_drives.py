@@ -56,8 +56,8 @@ _LINEAR: Final = (
     ),
     _Linear(
         quantity="voltage at torque and speed", unit="V",
-        torque_factor=lambda train: train.motor.resistance / train.motor.torque_constant / train.ratio,
-        speed_factor=lambda train: train.motor.torque_constant * train.ratio,
+        torque_factor=lambda train: train.motor.dc_resistance / train.motor.dc_torque_constant / train.ratio,
+        speed_factor=lambda train: train.motor.back_emf * train.ratio,
         limit=lambda train: train.drive.bus_voltage,
     ),
 )  # fmt: skip
@@ -65,7 +65,7 @@ _LINEAR: Final = (
 
 def _max_motor_speed(train: Drivetrain) -> float:
     """The least of what motor and gears allow and where the motor's curve ends, rad/s; NaN where none is known."""
-    curve = train.motor.peak_curve
+    curve = train.peak_curve
     ends = [train.motor.max_speed, train.gearbox.max_input_speed, curve[-1, 0] if len(curve) else np.nan]
     return float(np.fmin.reduce(ends))
 
@@ -87,7 +87,7 @@ def _curved(robot: Robot) -> dict[int, Drivetrain]:
     return {
         j: train
         for j, (train, known) in enumerate(zip(robot.drivetrains, robot.knows_torque, strict=True))
-        if len(train.motor.peak_curve) and known and not np.isnan(train.ratio)
+        if len(train.peak_curve) and known and not np.isnan(train.ratio)
     }
 
 
@@ -161,7 +161,7 @@ def drive_checks(motion: Motion) -> tuple[LimitCheck, ...]:
     check_peaks("motor power", "W", lambda: motion.power, _power_limits(robot))
     for j, train in _curved(robot).items():
         motor = _motor(motion.torque[j], v[j], motion.direction[j], train.ratio)
-        _, size, bound, time = torque_at_speed(motor, train.motor.peak_curve)
+        _, size, bound, time = torque_at_speed(motor, train.peak_curve)
         check(j, "motor torque at speed", "N m", size, bound, time)
     return tuple(checks)
 
@@ -216,7 +216,7 @@ class CurveDemand:
             trajectory=trajectory,
             joint=joint,
             ratio=train.ratio,
-            curve=train.motor.peak_curve,
+            curve=train.peak_curve,
             parts=own,
             speed_power=speed_power,
             rate=rate,

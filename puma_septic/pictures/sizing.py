@@ -83,8 +83,8 @@ def _torque_speed_panel(joint: str, d: Demands) -> Panel:
     peak = float(np.fmin(motor.peak_torque, d.train.max_effort / d.train.ratio))
     envelopes, rules = [], []
     for curve, torque_limit, top, line in (
-        (motor.peak_curve, peak, motor.max_speed, LIMIT),
-        (motor.continuous_curve, motor.continuous_torque, np.nan, DOTTED),
+        (d.train.peak_curve, peak, motor.max_speed, LIMIT),
+        (d.train.continuous_curve, motor.continuous_torque, np.nan, DOTTED),
     ):
         corners = _corners(curve, torque_limit, top)
         if corners is not None:
@@ -230,7 +230,7 @@ def _ratio_panel(joint: str, d: Demands) -> Panel:
     ratios = _RATIOS * d.train.ratio
     allowed = ~(_RATIOS * d.peak_speed.size > np.fmin(d.train.motor.max_speed, d.train.gearbox.max_input_speed))
     rms = _rms_over_ratio(d)
-    limits = np.array([d.train.motor.continuous_torque_at(speed) for speed in _RATIOS * d.mean_speed])
+    limits = np.array([d.train.continuous_torque_at(speed) for speed in _RATIOS * d.mean_speed])
     # What is far above the ratio at hand would flatten what is near it.
     top = max(2.5 * d.rms_torque, 1.2 * float(np.nan_to_num(limits[len(limits) // 2]))) or 1.0
     shown = rms <= top

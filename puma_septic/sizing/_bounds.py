@@ -165,9 +165,9 @@ def continuous_limit(table: PairTable, mean_speed: Array) -> Array:
     """Of the S1 curve where there is one."""
     limit = table.motor("continuous_torque")
     for motor, rows in table.by_motor():
-        speeds, torques = motor.continuous_curve.T
-        if len(speeds):
-            limit[rows] = np.interp(mean_speed[rows], speeds, torques, right=0.0)
+        curve = motor.continuous_curve_at(table.bus_voltage(rows))
+        if len(curve):
+            limit[rows] = np.interp(mean_speed[rows], curve[:, 0], curve[:, 1], right=0.0)
     return limit
 
 

@@ -111,7 +111,7 @@ def governing_check(checks: tuple[LimitCheck, ...], conditions: Conditions) -> L
 def _window(demands: Demands, grid: LoadGrid) -> RatioWindow | None:
     """By the moments of the load as it comes through the gears, losses of either direction included."""
     train = demands.train
-    torque = train.motor.continuous_torque_at(demands.mean_speed)
+    torque = demands.continuous_torque
     if not (torque > 0 and train.inertia > 0):
         return None
     passed = train.transmission[::-1]

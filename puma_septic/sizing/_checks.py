@@ -255,11 +255,11 @@ DRIVE_LIMITS: Final = (
     ),
     DriveLimit(
         quantity="stage force", demand="peak_force", limit="stage.max_force", unit="N", kind="physics",
-        needs="the stage's largest force", asked="stage.max_force",
+        needs="the stage's largest force", asked="stage.travel_per_turn",
     ),
     DriveLimit(
         quantity="stage speed", demand="peak_stage_speed", limit="stage.max_speed", unit="rad/s", kind="physics",
-        needs="the stage's highest speed", asked="stage.max_speed",
+        needs="the stage's highest speed", asked="stage.travel_per_turn",
     ),
     DriveLimit(
         quantity="gearbox average torque", demand="average_load_torque", limit="gearbox.max_average_torque",
@@ -303,26 +303,26 @@ DRIVE_LIMITS: Final = (
     ),
     DriveLimit(
         quantity="output bearing axial force", demand="peak_axial_force", limit="gearbox.max_axial_force", unit="N",
-        kind="vendor procedure", source=_BEARING, needs="the largest axial force", asked="gearbox.max_axial_force",
+        kind="vendor procedure", source=_BEARING, needs="the gearbox's limit of the axial force", why="why_no_bearing",
     ),
     DriveLimit(
         quantity="output bearing radial force", demand="peak_radial_force", limit="gearbox.max_radial_force", unit="N",
-        kind="vendor procedure", source=_BEARING, needs="the largest radial force", asked="gearbox.max_radial_force",
+        kind="vendor procedure", source=_BEARING, needs="the gearbox's limit of the radial force", why="why_no_bearing",
     ),
     DriveLimit(
         quantity="output bearing static load", demand="safe_static_load", limit="gearbox.bearing_static_load", unit="N",
         kind="vendor procedure", source=_BEARING, needs="the bearing's static load rating and diameter",
-        asked="gearbox.bearing_static_load",
+        why="why_no_bearing",
     ),
     DriveLimit(
         quantity="output bearing life", demand="required_life_hours", limit="bearing_life_hours", unit="h",
         kind="vendor procedure", source=_BEARING, needs="a required life, and the bearing's load rating and diameter",
-        asked="gearbox.bearing_dynamic_load",
+        why="why_no_bearing",
     ),
     DriveLimit(
         quantity="motor torque at standstill", demand="standing_torque", limit="max_standing_torque", unit="N m",
         kind="vendor procedure", needs="the motor's torque at standstill, and what ambient and altitude leave of it",
-        asked="motor.standstill_torque",
+        asked="stands_loaded",
     ),
     DriveLimit(
         quantity="holding brake torque", demand="holding_torque", limit="motor.brake_torque", unit="N m",

@@ -146,7 +146,7 @@ class Demands:
     @property
     def continuous_torque(self) -> float:
         """Limit of `rms_torque`: of the S1 curve where there is one."""
-        return self.train.motor.continuous_torque_at(self.mean_speed) * self.train.continuous_share
+        return self.train.continuous_torque_at(self.mean_speed)
 
     @cached_property
     def _at_speed(self) -> tuple[Peak, float]:
@@ -385,6 +385,11 @@ class Demands:
         stands = (self.load.velocity_sign == 0) & ~self.load.braked
         found = self.load.torque.by_interval(stands).extrema()
         return Peak(float(found.peak[0]) / self.train.ratio, float(found.t_peak[0]))
+
+    @property
+    def stands_loaded(self) -> float:
+        """1 where the motor holds a load at standstill, NaN where it never does."""
+        return 1.0 if self.standing_torque.size > 0 else np.nan
 
     @property
     def max_standing_torque(self) -> float:

@@ -11,7 +11,7 @@ from typing import Final, Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.drives import Catalogue, Drivetrain, lacking_of_pairs, names_of
+from puma_septic.drives import LEAST_SET, Catalogue, Drivetrain, lacking_of_pairs, names_of
 from puma_septic.errors import InputError
 from puma_septic.limit_check import AT_LIMIT, LimitCheck
 from puma_septic.sizing._bounds import expected_lives
@@ -109,7 +109,7 @@ class JointSelection:
     def unknowns(self) -> Mapping[str, int]:
         """How many undecidable pairs lack each member of the least set, the most frequent first."""
         bits = self._lacking[self.is_undecided]
-        counts = {name: int(np.count_nonzero(bits >> k & 1)) for k, name in enumerate(names_of(255))}
+        counts = {name: int(np.count_nonzero(bits >> k & 1)) for k, name in enumerate(LEAST_SET)}
         return FrozenMap(dict(sorted(((name, n) for name, n in counts.items() if n), key=lambda item: -item[1])))
 
     @property

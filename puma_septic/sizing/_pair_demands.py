@@ -337,9 +337,18 @@ class PairDemands:
     @property
     def standing_torque(self) -> Bounds:
         """Of the motor at rest, where the gears lose nothing."""
+        return exactly(self._standing_load / self.table.ratio)
+
+    @cached_property
+    def _standing_load(self) -> float:
         load = self.grid.load
         stands = (load.velocity_sign == 0) & ~load.braked
-        return exactly(float(load.torque.by_interval(stands).extrema().peak[0]) / self.table.ratio)
+        return float(load.torque.by_interval(stands).extrema().peak[0])
+
+    @property
+    def stands_loaded(self) -> Array:
+        """1 where the motor holds a load at standstill, else NaN."""
+        return np.full(len(self.table.ratio), 1.0 if self._standing_load > 0 else np.nan)
 
     @property
     def max_standing_torque(self) -> Array:

@@ -34,6 +34,7 @@ from puma_septic.sizing._load_cases import (
     worst_outcome,
 )
 from puma_septic.sizing._supply import SUPPLY, SupplyLoad, supply_load
+from puma_septic.sizing._unknowns import unknowns
 from puma_septic.validation import Array, FrozenMap, checked_choice, checked_number
 from puma_septic.views import sizing as view
 from puma_septic.views.checks import verdict
@@ -242,8 +243,8 @@ class Sizing:
         """Checks that could not be made, and torques left out, with the reason and the joints concerned."""
         joints: dict[str, list[str]] = {}
         for demands in self.demands:
-            for what in demands.train.left_out:
-                joints.setdefault(f"unknown and left out of the torque: {what}", []).append(demands.load.joint)
+            for line in unknowns(demands):
+                joints.setdefault(line, []).append(demands.load.joint)
         for outcome in self._outcomes:
             if isinstance(outcome, NotAssessed):
                 joints.setdefault(f"{outcome.quantity}: {outcome.reason}", []).append(outcome.joint)

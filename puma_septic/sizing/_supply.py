@@ -191,7 +191,11 @@ class SupplyLoad:
     @cached_property
     def outcomes(self) -> tuple[Outcome, ...]:
         """Every limit of the supply, checked or not."""
-        return tuple(outcome for limit in _LIMITS if (outcome := self._outcome(limit)) is not None)
+        found = [outcome for limit in _LIMITS if (outcome := self._outcome(limit)) is not None]
+        if np.isnan(self.supply.standby_power):
+            reason = "unknown and left out of what the supply gives"
+            found.append(NotAssessed(joint=SUPPLY, quantity="standby power", reason=reason))
+        return tuple(found)
 
     @property
     def checks(self) -> tuple[LimitCheck, ...]:

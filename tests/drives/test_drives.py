@@ -50,14 +50,15 @@ def test_what_is_unknown_is_left_out_and_listed() -> None:
         "input inertia of the gears",
         "losses of the gears (neither efficiency nor measured friction)",
         "viscous friction of the motor",
-        "Coulomb friction (of the motor, or the gears' no-load torque)",
+        "Coulomb friction of the motor",
+        "no-load torque of the gears",
     )
 
 
 def test_measured_friction_keeps_both_of_its_signs() -> None:
     friction = ps.Friction(viscous=1e-3, coulomb=[0.395, -0.435])
     train = ps.Drivetrain(
-        motor=ps.Motor(rotor_inertia=1e-4), gearbox=ps.Gearbox(ratio=60.0), measured_friction=friction
+        motor=ps.Motor(rotor_inertia=1e-4), gearbox=ps.Gearbox(ratio=60.0, inertia=0.0), measured_friction=friction
     )
     assert train.friction is friction
     assert train.transmission.tolist() == [1.0, 1.0, 1.0]

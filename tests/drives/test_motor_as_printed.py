@@ -96,7 +96,9 @@ def test_the_curve_of_the_highest_voltage_that_the_bus_reaches() -> None:
     assert motor.peak_curve_at(320.0)[-1, 0] == 300
     assert motor.peak_curve_at(500.0)[-1, 0] == 300
     assert motor.peak_curve_at(560.0)[-1, 0] == 600
-    assert not len(motor.peak_curve_at(300.0))
+    # Below all of them a motor can do no more than the lowest says; what it can do is not known.
+    assert motor.peak_curve_at(300.0)[-1, 0] == 300
+    assert [motor.has_curves_at(volts) for volts in (np.nan, 300.0, 320.0)] == [False, False, True]
     assert not len(motor.peak_curve_at(np.nan))
     assert ps.Motor(peak_curve=low).peak_curve_at(np.nan)[-1, 0] == 300
 

@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.batch._stack import Index, Stack, fit_torque, friction_steps
+from puma_septic.batch._stack import Index, Stack, fit_torque, runs
 from puma_septic.piecewise import matrices
 from puma_septic.piecewise.peaks import Peaks, Steps, bounds, find_peaks
 from puma_septic.robot import Robot
@@ -43,18 +43,17 @@ def metrics_of(robot: Robot, stack: Stack, n_motions: int) -> Metrics:
     """Kinematic peaks and those of the torque with Coulomb friction, exactly."""
     m = robot.n_joints
     duration = np.bincount(stack.owner, weights=stack.lengths, minlength=n_motions)
-    reach, swing, kinematic = _kinematic(stack, n_motions)
+    turned, kinematic = runs(robot, stack, n_motions), _kinematic(stack, n_motions)
     smooth, degrees, n_samples = fit_torque(robot, stack, n_motions)
     torque, torque_times, torque_bound, torque_squares = np.zeros((4, n_motions, m))
-    odd = degrees == 0
+    odd = (degrees == 0) | turned.odd
     # Each degree apart: the longest series would make the others as long.
     for degree in np.unique(degrees[~odd]).tolist():
         motions = np.flatnonzero(degrees == degree)
         some, pieces = stack.of(motions)
-        found = _torque(robot, some, len(motions), smooth[: degree + 1, pieces])
-        for target, values in zip((torque, torque_times, torque_bound, torque_squares), found[:4], strict=True):
+        found = _torque(some, len(motions), smooth[: degree + 1, pieces], _of(turned.friction, pieces, m))
+        for target, values in zip((torque, torque_times, torque_bound, torque_squares), found, strict=True):
             target[motions] = values
-        odd[motions] |= found.odd
     peaks = {name: one.size.reshape(-1, m) for name, one in kinematic.items()}
     times = {name: _times(one, stack, m) for name, one in kinematic.items()}
     limits = {name: one.bound.reshape(-1, m) for name, one in kinematic.items()}
@@ -64,62 +63,57 @@ def metrics_of(robot: Robot, stack: Stack, n_motions: int) -> Metrics:
     return Metrics(
         peaks=peaks | {"effort": torque},
         times=times | {"effort": torque_times},
-        bounds=limits | {"effort": torque_bound, "position": swing},
+        bounds=limits | {"effort": torque_bound, "position": _swing(stack, n_motions)},
         rms={name: np.sqrt(np.maximum(total, 0.0) / duration[:, None]) for name, total in squares.items()},
-        reach=reach,
+        reach=turned.reach,
         odd=odd,
         n_samples=n_samples,
     )
 
 
-class _Torque(NamedTuple):
-    """Of each motion and joint; `squares` is the integral of the square."""
-
-    peak: Array
-    time: Array
-    bound: Array
-    squares: Array
-    odd: NDArray[np.bool_]
-
-
-def _torque(robot: Robot, stack: Stack, n_motions: int, smooth: Array) -> _Torque:
-    """From the smooth torque (degree + 1, n, n_joints)."""
-    m = robot.n_joints
-    friction = friction_steps(robot, stack, n_motions)
-    series = smooth.reshape(len(smooth), -1)
-    group = (stack.owner[:, None] * m + np.arange(m)).ravel()
-    found = find_peaks(series, group, n_motions * m, friction.steps)
-    return _Torque(
-        found.size.reshape(-1, m),
-        _times(found, stack, m),
-        found.bound.reshape(-1, m),
-        _torque_squares(series, friction.steps, stack, n_motions, m),
-        friction.odd,
+def _of(steps: Steps, pieces: Index, m: int) -> Steps:
+    """The steps of some intervals, numbered anew."""
+    columns = (pieces[:, None] * m + np.arange(m)).ravel()
+    number = np.full(len(steps.first), -1)
+    number[columns] = np.arange(len(columns))
+    some = np.flatnonzero(number[steps.column] >= 0)
+    return Steps(
+        first=steps.first[columns], column=number[steps.column[some]], x=steps.x[some], level=steps.level[some]
     )
 
 
-def _kinematic(stack: Stack, n_motions: int) -> tuple[Array, Array, dict[str, Peaks]]:
-    """Least and greatest positions, certified bounds of them, (2, n_motions, m) each, and peaks by order."""
+def _torque(stack: Stack, n_motions: int, smooth: Array, friction: Steps) -> tuple[Array, ...]:
+    """Peak, time, bound and the integral of the square from the smooth torque (degree + 1, n, n_joints)."""
+    m = smooth.shape[2]
+    series = smooth.reshape(len(smooth), -1)
+    found = find_peaks(series, _groups(stack, m), n_motions * m, friction)
+    return (
+        found.size.reshape(-1, m),
+        _times(found, stack, m),
+        found.bound.reshape(-1, m),
+        _torque_squares(series, friction, stack, n_motions, m),
+    )
+
+
+def _groups(stack: Stack, m: int) -> Index:
+    return (stack.owner[:, None] * m + np.arange(m)).ravel()
+
+
+def _kinematic(stack: Stack, n_motions: int) -> dict[str, Peaks]:
+    """Peaks of velocity, acceleration and jerk."""
     size, n, _, m = stack.state.shape
-    q = stack.state[:, :, 0].reshape(size, -1)
-    # Beyond what any joint reaches in magnitude, the largest magnitude is the greatest value.
-    beyond = 2 * float(np.abs(q).sum(axis=0).max()) + 1.0
-    shifted = np.concatenate([-q, q], axis=1)
-    shifted[0] += beyond
-    rest = stack.state[:, :, 1:].transpose(0, 2, 1, 3).reshape(size, -1)
-    group = (stack.owner[:, None] * m + np.arange(m)).ravel()
+    series = stack.state[: max(size - 1, 1), :, 1:].transpose(0, 2, 1, 3).reshape(max(size - 1, 1), -1)
     count = n_motions * m
-    groups = np.concatenate([group + k * count for k in range(5)])
-    found = find_peaks(np.concatenate([shifted, rest], axis=1), groups, 5 * count)
-    parts = [_part(found, k, count, n * m) for k in range(5)]
-    reach = np.stack([-(parts[0].size - beyond), parts[1].size - beyond]).reshape(2, -1, m)
-    # About its first position, so that the bound's factor is one of the swing.
-    swing = _swing(stack, n_motions)
-    return reach, swing, dict(zip(("velocity", "acceleration", "jerk"), parts[2:], strict=True))
+    groups = (_groups(stack, m) + np.arange(0, 3 * count, count)[:, None]).ravel()
+    found = find_peaks(series, groups, 3 * count)
+    return {name: _part(found, k, count, n * m) for k, name in enumerate(("velocity", "acceleration", "jerk"))}
 
 
 def _swing(stack: Stack, n_motions: int) -> Array:
-    """Certified bounds of the positions on both sides, by Ehlich and Zeller about the middle of each interval."""
+    """Certified bounds of the positions on both sides, by Ehlich and Zeller about the middle of each interval.
+
+    About its mean, so that the bound's factor is one of the swing.
+    """
     size, n, _, m = stack.state.shape
     position = stack.state[:, :, 0].reshape(size, -1)
     centred = position.copy()
@@ -189,19 +183,12 @@ def _torque_squares(series: Array, steps: Steps, stack: Stack, n_motions: int, m
     """The same of series with steps: of ``(f + c)^2`` on each run of a level c, ``f^2 + 2 c f + c^2``."""
     smooth = _squares(series.reshape(len(series), -1, m), stack, n_motions)
     integral = matrices.integral_matrix(len(series) - 1) @ series
-    total = integral.sum(axis=0)
-    level = np.cumsum(steps.size)
-    is_first = np.append(True, steps.column[1:] != steps.column[:-1])[: len(steps.column)]
-    first = np.flatnonzero(is_first)
     # With levels as first + steps: the integral from a step to the end counts with the step's size.
     at = (matrices.basis_at(steps.x, len(integral) - 1) * integral[:, steps.column]).sum(axis=0)
+    total, before = integral.sum(axis=0), steps.before
     mixed = steps.first * total
-    np.add.at(mixed, steps.column, steps.size * (total[steps.column] - at))
-    before = steps.first[steps.column] + level - steps.size
-    if len(first):
-        starts = np.repeat((level - steps.size)[first], np.diff(np.append(first, len(level))))
-        before = before - starts
+    np.add.at(mixed, steps.column, (steps.level - before) * (total[steps.column] - at))
     square = 2 * steps.first**2
-    np.add.at(square, steps.column, ((before + steps.size) ** 2 - before**2) * (1 - steps.x))
+    np.add.at(square, steps.column, (steps.level**2 - before**2) * (1 - steps.x))
     added = (2 * mixed + square).reshape(-1, m) * (stack.lengths / 2)[:, None]
     return smooth + _summed(added, stack.owner, n_motions)

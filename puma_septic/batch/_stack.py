@@ -15,12 +15,21 @@ from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array
 
-__all__ = ["FrictionSteps", "Index", "Stack", "fit_torque", "friction_steps", "stacked"]
+__all__ = ["Index", "Runs", "Stack", "fit_torque", "runs", "stacked"]
 
 Index = NDArray[np.int64]
-# Nested degrees; what no degree resolves is left to the single assessment, which also bisects.
-_DEGREES: Final = (22, 44, 88, 176)
+# Degrees are multiples of this one, whose points are among those of each; what none resolves is left to the single
+# assessment, which also bisects.
+_LEAST_DEGREE: Final = 22
+_MULTIPLES: Final = (2, 3, 4, 6, 8)
+# The degree at which a series is resolved is about 86 + 9 log10 of its last coefficients at the least one, measured on
+# septics of PUMA and Panda through points within 0.3 to 2 rad. Seven eighths of a multiple have to reach that far.
+_RESOLVED_BELOW: Final = (-5.5, -3.3, -1.2, 2.0)
 _TOLERANCE: Final = 1e-11
+# As a motion alone has it: a hundredth of what the torque is fitted to.
+_NEGLIGIBLE: Final = 1e-13
+# Series are searched with those of the same degree; of few degrees, so that many are searched at once.
+_STEP_OF_DEGREES: Final = 16
 _ROUNDING: Final = 64 * np.finfo(np.float64).eps
 # A run between two turns, or a joint, that travels less than this is left to the single assessment: it may be rest, as
 # travel below `STILL` is.
@@ -79,38 +88,70 @@ def stacked(trajectories: Sequence[Trajectory]) -> Stack:
     )
 
 
+class _Part(NamedTuple):
+    """Intervals to be sampled at a multiple of the least degree, with their values at a coarser one."""
+
+    multiple: int
+    intervals: Index
+    coarser: int
+    values: Array
+
+
 def fit_torque(robot: Robot, stack: Stack, n_motions: int) -> tuple[Array, Index, int]:
-    """The smooth torque (degree + 1, n, n_joints), degrees of the motions (0: none resolves one), number of samples."""
+    """The smooth torque (degree + 1, n, n_joints), degrees of the motions (0: none resolves one), number of samples.
+
+    A motion's degree is that of what is not negligible in its series, of a few common ones.
+    """
     n, m = len(stack.lengths), robot.n_joints
-    largest = np.zeros((_DEGREES[-1] + 1, n, m))
-    pending, values, used = np.arange(n), np.empty((0, n, m)), 0
-    scale, degrees = np.zeros((n_motions, m)), np.zeros(n_motions, dtype=np.int64)
-    for degree in _DEGREES:
-        every = matrices.nodes(degree)
-        new = every if not len(values) else every[1::2]
-        sampled = _sampled(robot, stack.state[:, pending, :3], new)
-        used += len(new) * len(pending)
-        values = sampled if not len(values) else _merged(values, sampled)
-        np.maximum.at(scale, stack.owner[pending], np.abs(values).max(axis=0))
-        series = matrices.coefficients_from_values(degree) @ values.reshape(degree + 1, -1)
-        series = series.reshape(values.shape)
-        tail = np.abs(series[-max(2, len(series) // 8) :]).max(axis=0)
-        own = scale[stack.owner[pending]]
-        small = tail <= np.maximum(_TOLERANCE * own, _ROUNDING * own.max(axis=1, keepdims=True))
-        good = small.all(axis=1)
-        largest[: degree + 1, pending[good]] = series[:, good]
-        np.maximum.at(degrees, stack.owner[pending[good]], degree)
-        pending, values = pending[~good], values[:, ~good]
-        if not len(pending):
-            break
-    degrees[stack.owner[pending]] = 0
-    return largest, degrees, used
+    largest = np.zeros((_LEAST_DEGREE * _MULTIPLES[-1] + 1, n, m))
+    scale, degrees, used = np.zeros((n_motions, m)), np.zeros(n_motions, dtype=np.int64), 0
+    unresolved = np.zeros(n_motions, dtype=np.bool_)
+    work = [_Part(1, np.arange(n), 0, np.empty((0, n, m)))]
+    while work:
+        part = work.pop()
+        owner, values = stack.owner[part.intervals], _refined(robot, stack, part)
+        used += values[:, :, 0].size - part.values[:, :, 0].size
+        np.maximum.at(scale, owner, np.abs(values).max(axis=0))
+        series = matrices.coefficients_from_values(len(values) - 1) @ values.reshape(len(values), -1)
+        series, own = series.reshape(values.shape), scale[owner]
+        own = np.maximum(own, _ROUNDING / _TOLERANCE * own.max(axis=1, keepdims=True))
+        excess = np.max(matrices.tail(series) / np.where(own > 0, own, 1.0), axis=1)
+        good = excess <= _TOLERANCE
+        largest[: len(series), part.intervals[good]] = series[:, good]
+        np.maximum.at(degrees, owner[good], _common_degree(series[:, good], _NEGLIGIBLE * own[good]))
+        following = _following(part.multiple, excess)
+        unresolved[owner[~good & (following == 0)]] = True
+        for multiple in np.unique(following[~good & (following > 0)]).tolist():
+            some = np.flatnonzero(~good & (following == multiple))
+            work.append(_Part(multiple, part.intervals[some], part.multiple, values[:, some]))
+    return largest, np.where(unresolved, 0, degrees), used
 
 
-def _merged(coarse: Array, between: Array) -> Array:
-    finer = np.empty((len(coarse) + len(between), *coarse.shape[1:]))
-    finer[::2], finer[1::2] = coarse, between
-    return finer
+def _following(multiple: int, excess: Array) -> Index:
+    """The multiple at which each series is to be resolved, by the last coefficients of this one; 0 for none."""
+    if multiple > 1:
+        return np.full(len(excess), 2 * multiple if 2 * multiple <= _MULTIPLES[-1] else 0)
+    with np.errstate(divide="ignore"):
+        return np.asarray(_MULTIPLES)[np.searchsorted(_RESOLVED_BELOW, np.log10(excess))]
+
+
+def _refined(robot: Robot, stack: Stack, part: _Part) -> Array:
+    """Torque at all points of a part, (degree + 1, n, n_joints): every so many of them are known."""
+    points = matrices.nodes(_LEAST_DEGREE * part.multiple)
+    is_new = np.ones(len(points), dtype=np.bool_)
+    if part.coarser:
+        is_new[:: part.multiple // part.coarser] = False
+    values = np.empty((len(points), *part.values.shape[1:]))
+    values[is_new] = _sampled(robot, stack.state[:, part.intervals, :3], points[is_new])
+    values[~is_new] = part.values
+    return values
+
+
+def _common_degree(series: Array, negligible: Array) -> Index:
+    """Of what is not negligible in each interval's series (degree + 1, n, m), up to the next common degree."""
+    kept = np.any(np.abs(series) > negligible, axis=2)
+    last = np.where(np.any(kept, axis=0), len(series) - 1 - kept[::-1].argmax(axis=0), 1)
+    return np.asarray(np.minimum(-(-last // _STEP_OF_DEGREES) * _STEP_OF_DEGREES, len(series) - 1))
 
 
 def _sampled(robot: Robot, state: Array, x: Array) -> Array:
@@ -121,38 +162,52 @@ def _sampled(robot: Robot, state: Array, x: Array) -> Array:
     return smooth_torque(robot, q, v, a).reshape(len(x), n, m)
 
 
-class FrictionSteps(NamedTuple):
-    """Coulomb friction of each interval and joint as a step function; motions for the single assessment."""
+class Runs(NamedTuple):
+    """What follows from the runs between two turns of each joint.
 
-    steps: Steps
+    Attributes
+    ----------
+    friction : Steps
+        Coulomb friction as a step function; columns are interval by interval, then joint.
+    reach : ndarray, shape (2, n_motions, n_joints)
+        Least and greatest positions.
+    odd : ndarray of bool, shape (n_motions,)
+        Motions for the single assessment.
+    """
+
+    friction: Steps
+    reach: Array
     odd: NDArray[np.bool_]
 
 
-def friction_steps(robot: Robot, stack: Stack, n_motions: int) -> FrictionSteps:
-    """Columns are interval by interval, then joint."""
+def runs(robot: Robot, stack: Stack, n_motions: int) -> Runs:
+    """Where the joints turn, and what they reach there."""
     size, n, _, m = stack.state.shape
     position, velocity = (stack.state[:, :, k].reshape(size, -1) for k in (0, 1))
-    column, x = sign_changes(velocity)
+    column, x = sign_changes(velocity[: max(size - 1, 1)])
     order = np.lexsort((x, column))
     column, x = column[order], x[order]
-    left = matrices.signs(size - 1) @ position
-    right = position.sum(axis=0)
     at = (matrices.basis_at(x, size - 1) * position[:, column]).sum(axis=0)
     # Positions at the ends of all runs, column by column.
-    columns = np.concatenate([np.arange(n * m), column, np.arange(n * m)])
-    place = np.concatenate([np.full(n * m, -1.0), x, np.ones(n * m)])
-    q = np.concatenate([left, at, right])
-    order = np.lexsort((place, columns))
-    columns, q = columns[order], q[order]
-    inside = columns[1:] == columns[:-1]
-    travel, run_column = np.diff(q)[inside], columns[1:][inside]
-    still = np.abs(position[1:]).sum(axis=0) == 0
+    columns = np.arange(n * m)
+    place = np.stack([np.searchsorted(column, columns), np.searchsorted(column, columns, side="right")], axis=1)
+    both_ends = np.stack([matrices.signs(size - 1) @ position, position.sum(axis=0)], axis=1)
+    q = np.insert(at, place.ravel(), both_ends.ravel())
+    ends = np.repeat(columns, np.diff(place, axis=1)[:, 0] + 2)
+    is_inside = ends[1:] == ends[:-1]
+    travel, run_column = np.diff(q)[is_inside], ends[1:][is_inside]
+    is_still = np.abs(position[1:]).sum(axis=0)[run_column] == 0
     levels = robot.coulomb_friction[run_column % m]
-    level = np.where(travel > 0, levels[:, 0], levels[:, 1]) * ~still[run_column]
-    odd_run = (np.abs(travel) < _TRAVEL) & ~still[run_column]
+    level = np.where(travel > 0, levels[:, 0], levels[:, 1]) * ~is_still
     odd = np.zeros(n_motions, dtype=np.bool_)
-    odd[stack.owner[run_column[odd_run] // m]] = True
-    is_first = np.append(True, run_column[1:] != run_column[:-1])
-    return FrictionSteps(
-        steps=Steps(first=level[is_first], column=column, x=x, size=np.diff(level)[~is_first[1:]]), odd=odd
-    )
+    odd[stack.owner[run_column[(np.abs(travel) < _TRAVEL) & ~is_still] // m]] = True
+    is_first = np.diff(run_column, prepend=-1) != 0
+    steps = Steps(first=level[is_first], column=column, x=x, level=level[~is_first])
+    return Runs(steps, _reach(q, stack.owner[ends // m] * m + ends % m, n_motions, m), odd)
+
+
+def _reach(q: Array, group: Index, n_motions: int, m: int) -> Array:
+    low, high = np.full((2, n_motions * m), [[np.inf], [-np.inf]])
+    np.minimum.at(low, group, q)
+    np.maximum.at(high, group, q)
+    return np.stack([low, high]).reshape(2, n_motions, m)

@@ -149,6 +149,12 @@ class _Cells(NamedTuple):
     def some(self, which: Flags | Index) -> _Cells:
         return _Cells(self.column[which], self.left[which], self.right[which], self.control[:, which])
 
+    def ends(self, which: Flags | Index | slice) -> _Cells:
+        """Some of them, with no more than the values at both ends."""
+        return _Cells(
+            self.column[which], self.left[which], self.right[which], self.control[:: len(self.control) - 1, which]
+        )
+
     def halves(self) -> _Cells:
         """Each as two, by de Casteljau's subdivision."""
         middle = (self.left + self.right) / 2
@@ -235,8 +241,8 @@ def _sign_changes(series: Array, cells: _Cells, noise: Array) -> tuple[Index, Ar
     cells, before, after = _isolated(cells, noise)
     inside = np.flatnonzero(before != after)
     column, bracket = cells.column[inside], np.array([cells.left[inside], cells.right[inside]])
-    control, sign = cells.control[:: len(cells.control) - 1, inside], np.array([before[inside], after[inside]])
-    values = np.where(control * sign > 0, control, sign)
+    at_ends, sign = cells.control[:, inside], np.array([before[inside], after[inside]])
+    values = np.where(at_ends * sign > 0, at_ends, sign)
     first, second = _across(cells, before, after)
     if len(first):
         middle = (cells.left + cells.right) / 2
@@ -261,7 +267,10 @@ def _across(cells: _Cells, before: Array, after: Array) -> tuple[Index, Index]:
 
 
 def _isolated(cells: _Cells, noise: Array) -> tuple[_Cells, Array, Array]:
-    """Cells with at most one sign change, in order, and the signs with which each begins and ends; 0 for rounding."""
+    """Cells with at most one sign change, in order, and the signs with which each begins and ends; 0 for rounding.
+
+    Of their control values those at both ends are left.
+    """
     done: list[tuple[_Cells, Array, Array]] = []
     for halving in range(_HALVINGS + 1):
         least = noise[cells.column]
@@ -274,11 +283,11 @@ def _isolated(cells: _Cells, noise: Array) -> tuple[_Cells, Array, Array]:
         # Between ends that have a sign one change is one; beside a touched zero a control value may overshoot.
         crowded = mixed[~((changes == 1) & sure)]
         if not len(crowded) or halving == _HALVINGS:
-            done.append((cells, before, after))
+            done.append((cells.ends(slice(None)), before, after))
             break
         few = np.ones(len(after), dtype=np.bool_)
         few[crowded] = False
-        done.append((cells.some(few), before[few], after[few]))
+        done.append((cells.ends(few), before[few], after[few]))
         cells = cells.some(crowded).halves()
     if len(done) == 1:
         return done[0]
@@ -311,24 +320,28 @@ def _zeros(series: Array, bracket: Array, values: Array) -> Array:
     x = (left * values[1] - right * values[0]) / (values[1] - values[0])
     x = np.minimum(np.maximum(x, left), right)
     near = _LAST_STEP * (right - left)
+    places, moving = x, np.arange(len(x))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # a slope of zero is left to bisection
         for _ in range(_NEWTON_STEPS):
             value, slope = _value_and_slope(both, x)
             step = value / slope
             x = np.minimum(np.maximum(x - step, left), right)
-            found = np.abs(step) <= near
-            if found.all():
+            places[moving] = x
+            on = np.flatnonzero(~(np.abs(step) <= near))
+            if not len(on):
                 break
+            # Nearly all are found in three steps: the others go on alone.
+            if 2 * len(on) < len(moving):
+                moving, both, x, left, right, near = moving[on], both[:, :, on], x[on], left[on], right[on], near[on]
+                on = np.arange(len(on))
         else:
-            rest = ~found
-            x[rest] = _bisected(both[:, :, rest], left[rest], right[rest], values[1, rest] > 0)
-    return np.asarray(x)
+            places[moving[on]] = _bisected(both[:, :, on], left[on], right[on], values[1, moving[on]] > 0)
+    return np.asarray(places)
 
 
 def _value_and_slope(both: Array, x: Array) -> Array:
     """Of series and their derivatives (2, degree + 1, k), each at its own point, shape (2, k)."""
-    order = np.arange(both.shape[1])[:, None]
-    return np.asarray((both * np.cos(order * np.arccos(x))).sum(axis=1))
+    return np.asarray((both * matrices.basis_at(x, both.shape[1] - 1)).sum(axis=1))
 
 
 def _bisected(both: Array, left: Array, right: Array, rising: Flags) -> Array:

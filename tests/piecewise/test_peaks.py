@@ -42,11 +42,11 @@ def test_steps_are_seen_from_both_sides(rng: np.random.Generator) -> None:
     series, count = decaying(rng, 30, 60), rng.integers(0, 5, 60)
     column = np.repeat(np.arange(60), count)
     x = np.concatenate([np.sort(rng.uniform(-0.999, 0.999, k)) for k in count])
-    steps = Steps(first=rng.normal(size=60), column=column, x=x, size=rng.normal(size=len(x)))
+    steps = Steps(first=rng.normal(size=60), column=column, x=x, level=rng.normal(size=len(x)))
     found = find_peaks(series, np.arange(60), 60, steps)
     for j in range(60):
         inside = column == j
-        levels = steps.first[j] + np.concatenate([[0.0], np.cumsum(steps.size[inside])])
+        levels = np.concatenate([steps.first[j : j + 1], steps.level[inside]])
         smooth = Piecewise(breaks=[-1.0, 1.0], coefficients=series[:, j : j + 1, None]).split(x[inside])
         assert found.size[j] == pytest.approx((smooth + smooth.stepwise(levels[:, None])).extrema().peak[0], rel=1e-11)
 

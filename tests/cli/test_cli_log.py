@@ -56,6 +56,31 @@ def test_the_text_tells_file_rows_and_residual(tmp_path: Path, capsys: pytest.Ca
     assert "Verdict: feasible" in words
 
 
+TURNTABLE = """<robot name="turntable"><link name="base"/><joint name="table" type="continuous"><parent link="base"/>
+<child link="disc"/><axis xyz="0 0 1"/><limit effort="40" velocity="3"/></joint><link name="disc"><inertial>
+<origin xyz="0.1 0 0"/><mass value="5"/><inertia ixx="0.05" iyy="0.05" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
+</link></robot>"""
+
+
+def test_an_encoder_that_wraps_is_no_motion(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The jump by a turn of a joint that the robot knows as continuous took 1.7e6 N m and 7426 rad/s.
+
+    By hand: 1.5 rad in 2 s by 10 s^3 - 15 s^4 + 6 s^5 peak at 15/8 * 0.75 rad/s and 10/sqrt 3 * 1.5/4 rad/s^2; the
+    inertia about the axis is 0.1 + 5 * 0.1^2 kg m^2.
+    """
+    (tmp_path / "turntable.urdf").write_text(TURNTABLE)
+    move, t = ps.quintic_segments([[2.5], [4.0]], [0, 2]), np.linspace(0, 2, 2001)
+    wrapped = (move(t) + np.pi) % (2 * np.pi) - np.pi
+    path = written(tmp_path / "log.csv", np.column_stack([t, wrapped]).tolist(), ["t", "table"])
+    asked = ["assess", "--csv", path, "--robot", str(tmp_path / "turntable.urdf"), "--format", "json"]
+    assert main(asked) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["undecided"] == []
+    (joint,) = document["assessment"]["joints"]
+    assert joint["peak_velocity"] == pytest.approx(15 / 8 * 0.75, rel=1e-6)
+    assert joint["peak_torque"] == pytest.approx(0.15 * 10 / np.sqrt(3) * 1.5 / 4, rel=1e-6)  # 0.325 N m
+
+
 def test_columns_may_come_in_any_order(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     order = [0, 3, 2, 1, 6, 5, 4]
     header = [("t", *JOINTS)[k] for k in order]

@@ -333,3 +333,15 @@ def test_a_first_user_s_arm_and_parts(tmp_path: Path, capsys: pytest.CaptureFixt
     # In a part of the table of its own, where the terminal is narrow.
     assert any(line.startswith("wrist_2_joint") and line.rstrip().endswith("any above 1") for line in out.splitlines())
     assert "e-1" not in out
+
+
+def test_a_first_user_s_branch_is_below_the_base_and_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The automatic branch puts the elbow 13 cm below the base: no word of it, and 2.242e-12 rad/s in the table."""
+    task = tmp_path / "pallet.yaml"
+    task.write_text(PALLET.format(urdf=UR5, share=SHARE), encoding="utf-8")
+    assert main(["assess", str(task), "-v"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "Lowest point: elbow_joint, 0.131 m below the base at 5.000 s" in out
+    assert "e-1" not in out

@@ -8,7 +8,7 @@ from helpers.recordings import ENCODER_STEP, MOVE, POINTS, recorded, true_torque
 
 import puma_septic as ps
 from puma_septic.logs import fit_samples
-from puma_septic.measurement import TorqueBand, compare_measured, limit_doubts, torque_band
+from puma_septic.measurement import MeasuredTorque, TorqueBand, compare_measured, limit_doubts, torque_band
 
 MOVES = {
     "quintic_spline": MOVE,
@@ -105,30 +105,67 @@ LOAD = ps.Payload(mass=1.3, com=(0.02, -0.03, 0.08))
 TORQUE_NOISE = np.array([0.3, 0.3, 0.2, 0.02, 0.02, 0.02])
 
 
+RECORDED = {
+    "exciting": EXCITING,
+    "stops": ps.quintic_segments(EXCITING.points, EXCITING.times),
+    "trapezoids": ps.profiles.trapezoidal(EXCITING.points, EXCITING.times, blend_time=0.3),
+    "quintic_spline": MOVES["quintic_spline"],
+    "septic": MOVES["septic"],
+}
+
+
+def proposed(puma: ps.Robot, move: ps.Trajectory, seed: int) -> tuple[MeasuredTorque, dict[str, float]]:
+    """What the log of an arm that carries a load proposes, and each determined value's error over its uncertainty.
+
+    Nobody has told of the load; the friction is that of the robot's file. While the arm stands it is held without
+    friction.
+    """
+    rng, rate = np.random.default_rng([99, seed]), 8000 if seed % 25 == 24 else (100, 250, 1000)[seed % 3]
+    rest, loaded = float(rng.choice([0.0, 1.0])), puma.with_payload(LOAD)
+    t, q = recorded(
+        move, rate, noise=NOISE[seed % 4], jitter=float(rng.choice([0.0, 0.3])),
+        step=float(rng.choice([0.0, ENCODER_STEP])), rest=rest, seed=seed,
+    )  # fmt: skip
+    since = np.linspace(0.0, move.duration + 2 * rest, len(t)) - rest
+    torque = ps.compute_motion(loaded, move).torque(np.clip(since, 0.0, move.duration))
+    for still, point in ((since < 0, move.points[0]), (since > move.duration, move.points[-1])):
+        torque[still] = ps.inverse_dynamics(loaded, point, np.zeros(6), np.zeros(6))
+    measured = torque + rng.standard_normal(torque.shape) * TORQUE_NOISE
+    fit = fit_samples(t, q, smoothing="auto", joint_names=puma.joint_names)
+    found = compare_measured(ps.compute_motion(puma, fit.trajectory), t, effort=measured)
+    truth = {"payload mass": LOAD.mass}
+    truth |= {f"payload centre of mass {axis}": LOAD.com[k] for k, axis in enumerate("xyz")}
+    for j, name in enumerate(puma.joint_names):
+        truth[f"viscous friction of {name}"] = puma.viscous_friction[j]
+        truth[f"Coulomb friction forwards of {name}"] = puma.coulomb_friction[j, 0]
+        truth[f"Coulomb friction backwards of {name}"] = puma.coulomb_friction[j, 1]
+    assert set(truth) == {one.name for one in found.proposals}
+    determined = [one for one in found.proposals if np.isfinite(one.value)]
+    return found, {one.name: (one.value - truth[one.name]) / one.uncertainty for one in determined}
+
+
 @pytest.mark.slow
-def test_friction_and_payload_are_recovered_within_their_uncertainty(puma: ps.Robot) -> None:
-    """The arm carries a load that nobody has told, and its friction is that of its file."""
-    torque = ps.compute_motion(puma.with_payload(LOAD), EXCITING).torque
-    hits, count = 0, 0
-    for seed in range(8):
-        t, q = recorded(EXCITING, 250, noise=1e-5, seed=seed)
-        measured = torque(t) + np.random.default_rng(seed + 100).standard_normal((len(t), 6)) * TORQUE_NOISE
-        fit = fit_samples(t, q, smoothing="auto", joint_names=puma.joint_names)
-        found = compare_measured(ps.compute_motion(puma, fit.trajectory), t, effort=measured)
-        proposals = {one.name: one for one in found.proposals}
-        truth = {"payload mass": LOAD.mass}
-        truth |= {f"payload centre of mass {axis}": LOAD.com[k] for k, axis in enumerate("xyz")}
-        for j, name in enumerate(puma.joint_names):
-            truth[f"viscous friction of {name}"] = puma.viscous_friction[j]
-            truth[f"Coulomb friction forwards of {name}"] = puma.coulomb_friction[j, 0]
-            truth[f"Coulomb friction backwards of {name}"] = puma.coulomb_friction[j, 1]
-        assert set(truth) == set(proposals)
-        count += len(truth)
-        hits += sum(abs(proposals[name].value - value) <= proposals[name].uncertainty for name, value in truth.items())
-        assert proposals["payload mass"].uncertainty < 0.1
-        assert found.residual[1] > 5  # what the load makes
-        assert found.explained == pytest.approx(TORQUE_NOISE, rel=0.1)
-    assert hits / count >= 0.93  # told as 95 %: of 176 values, 0.93 is one standard deviation below
+def test_a_load_that_nobody_told_explains_the_measured_torques(puma: ps.Robot) -> None:
+    found, errors = proposed(puma, EXCITING, 1)
+    assert len(errors) == len(found.proposals) == 22
+    assert next(one for one in found.proposals if one.name == "payload mass").uncertainty < 0.1
+    assert found.residual[1] > 5  # what the load makes
+    assert found.explained == pytest.approx(TORQUE_NOISE, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("count", "least"),
+    # Told as 95 %: of 22 values in 8 logs 0.93 is one standard deviation below.
+    [pytest.param(8, 0.93, marks=pytest.mark.slow), pytest.param(100, 0.95, marks=pytest.mark.study)],
+)
+@pytest.mark.parametrize("name", RECORDED)
+def test_friction_and_payload_are_recovered_within_their_uncertainty(
+    puma: ps.Robot, name: str, count: int, least: float
+) -> None:
+    """Four levels of noise, 100 Hz to 8 kHz, jitter, an encoder's steps, rests: 97 to 99 % when this was written."""
+    errors = np.concatenate([list(proposed(puma, RECORDED[name], seed)[1].values()) for seed in range(count)])
+    assert (np.abs(errors) <= 1).mean() >= least
+    assert np.abs(errors).max() < 2.5
 
 
 def test_currents_give_the_constants_of_the_joints(puma: ps.Robot) -> None:

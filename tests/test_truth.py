@@ -57,7 +57,8 @@ METRICS = ("peak_velocity", "peak_acceleration", "peak_jerk", "peak_torque", "rm
            "peak_power", "peak_regenerated_power")  # fmt: skip
 
 
-# Torque and power are series fitted to 1e-11 of their largest value, so two of them may differ by twice that.
+# A torque is a series fitted to 1e-11 of its largest value, so two of them may differ by twice that; by how much what
+# follows from it may differ, `_scale` says.
 ROUNDING = 2e-11
 STEP = 1e-12
 # One-sided difference quotients are taken over this step: rounding is 1e-3 of a slope of one scale, and no joint that
@@ -116,9 +117,17 @@ def jumps(seed: int, puma: ps.Robot) -> list[str]:
 
 
 def _scale(one: ps.Assessment, metric: str) -> float:
-    """Largest of the arm; what flows back is held against what is put in."""
-    kinds = {"energy_out": ("energy_in", "energy_out"), "peak_regenerated_power": ("peak_power", metric)}
-    values: Array = np.concatenate([getattr(one, kind) for kind in kinds.get(metric, (metric,))])
+    """What `ROUNDING` is a part of, of the whole arm.
+
+    Where torques differ by d at most, their root mean squares do so too, and powers by d times the velocity. The
+    positive part of a power differs by no more than the power: its integral by d times the travel, which by the
+    Cauchy-Schwarz inequality is at most the root mean square of the velocity times the duration.
+    """
+    torque = one.motion.torque.extrema().peak
+    speed, mean = one.peak_velocity, one.motion.trajectory.duration * one.rms_velocity
+    of_torque = {"rms_torque": torque, "peak_power": torque * speed, "peak_regenerated_power": torque * speed,
+                 "energy_in": torque * mean, "energy_out": torque * mean}  # fmt: skip
+    values = of_torque.get(metric, getattr(one, metric))
     return max(1.0, float(values[np.isfinite(values)].max(initial=0.0)))
 
 

@@ -9,7 +9,7 @@ from importlib.resources import files
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from puma_septic.pictures import HUES
 from puma_septic.report._charts import BOX, SIZE, Chart
@@ -30,6 +30,7 @@ def _environment() -> Environment:
         undefined=StrictUndefined,
         trim_blocks=True,
     )
+    environment.filters["breakable"] = _breakable
     environment.globals |= {
         "box": BOX,
         "size": SIZE,
@@ -40,6 +41,11 @@ def _environment() -> Environment:
         "page_js": Markup(f"const BOX = {json.dumps(BOX)}, SIZE = {json.dumps(SIZE)};\n") + _own("page.js"),
     }
     return environment
+
+
+def _breakable(name: str) -> Markup:
+    """A joint's name that may be broken after its underscores, as names of twenty letters stand in narrow columns."""
+    return escape(name).replace("_", Markup("_<wbr>"))
 
 
 def _own(name: str) -> Markup:

@@ -229,9 +229,9 @@ function begin(section) {
   addEventListener("message", (event) => {
     if (!frame || event.source !== frame.contentWindow || !event.data) return;
     if (event.data.replay === "still" && /^data:image\/png;base64,/.test(event.data.image)) {
-      const still = section.querySelector(".still");
-      still.src = event.data.image;
-      still.hidden = false;
+      const picture = section.querySelector(".snapshot");
+      picture.src = event.data.image;
+      picture.hidden = false;
     }
     if (event.data.replay !== "time") return;
     if (runs) {

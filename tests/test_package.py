@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -72,3 +73,16 @@ def test_the_cited_version_is_this_one() -> None:
 
 def test_package_says_that_it_is_typed() -> None:
     assert (_INIT.parent / "py.typed").is_file()
+
+
+def test_no_minus_stands_before_a_rounded_zero() -> None:
+    """A joint at rest to rounding was at "-0.000 .. 1.200": fixed places print the sign of what they round away, unless
+    the format says `z`. Places in a picture (`report/_charts.py`) are no text."""
+    package = _INIT.parent
+    found = [
+        f"{path.relative_to(package)}: {match}"
+        for path in sorted(package.rglob("*.py"))
+        if path.name != "_charts.py"
+        for match in re.findall(r"\{[^{}]*:[+ ]?[0-9]*\.(?:\d|\{[^{}]*\})f\}", path.read_text(encoding="utf-8"))
+    ]
+    assert found == []

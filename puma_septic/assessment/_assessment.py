@@ -440,7 +440,7 @@ def _below_base_remarks(assessment: Assessment) -> tuple[str, ...]:
     lowest = assessment.lowest
     if assessment.floor is not None or lowest.height >= _BELOW_BASE:
         return ()
-    below = f"{-lowest.height:.3g} m below the base, at {lowest.time:.3f} s"
+    below = f"{-lowest.height:.3g} m below the base, at {lowest.time:z.3f} s"
     return (f"the arm hangs low: {lowest.part} comes {below}; a floor would forbid it",)
 
 

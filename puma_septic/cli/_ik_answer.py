@@ -121,7 +121,7 @@ def _records(document: dict[str, Any]) -> list[dict[str, Any]]:
 
 def _table(robot: Robot, solutions: IkSolutions) -> str:
     rows: list[list[Cell]] = [
-        [name, *(f"{angle:.4f}" for angle in solutions.q[k]), _beyond(robot, solutions, k)]
+        [name, *(f"{angle:z.4f}" for angle in solutions.q[k]), _beyond(robot, solutions, k)]
         for k, name in enumerate(solutions.configurations)
     ]
     singular = [
@@ -149,7 +149,7 @@ def _lowest(robot: Robot, solutions: IkSolutions) -> str:
         place = (round(float(lowest.height[k]), 3) + 0.0, lowest.parts[k])
         alike.setdefault(place, []).append(solutions.configurations[k])
     parts = [
-        f"{height:.3f} m ({part}) in {', '.join(names) if len(alike) > 1 else 'each'}"
+        f"{height:z.3f} m ({part}) in {', '.join(names) if len(alike) > 1 else 'each'}"
         for (height, part), names in alike.items()
     ]
     text = f"Lowest point (below the base where negative): {'; '.join(parts)}."

@@ -54,7 +54,7 @@ def run(arguments: Namespace) -> Answer:
         if os.path.lexists(arguments.html) and not arguments.force:
             raise InputError(f"{arguments.html} exists; name another file, or --force replaces it")
         path = write_replay(arguments.html, assessments, title=title, point_names=names, overwrite=arguments.force)
-        return Answer(f"{path}: {path.stat().st_size / 1e6:.1f} MB, works offline; open it in a browser", 0)
+        return Answer(f"{path}: {path.stat().st_size / 1e6:z.1f} MB, works offline; open it in a browser", 0)
     wanted = False if arguments.no_browser else None
     with replay(assessments, title=title, point_names=names, open_browser=wanted, port=arguments.port) as page:
         where = "in the browser" if page.browser_opened else "open it in a browser on this machine"

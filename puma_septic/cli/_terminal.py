@@ -77,7 +77,7 @@ def waiting(what: str, *, after: float = 1.0) -> Iterator[None]:
     def tick() -> None:
         pause = after
         while not ended.wait(pause):
-            stream.write(f"\r\x1b[K{what}: {time.monotonic() - start:.0f} s ...")
+            stream.write(f"\r\x1b[K{what}: {time.monotonic() - start:z.0f} s ...")
             stream.flush()
             pause = 0.5
 

@@ -98,7 +98,7 @@ class IkSolutions:
             [
                 [
                     name,
-                    *(f"{round(value, 4) + 0.0:.4f}" for value in q),
+                    *(f"{value:z.4f}" for value in q),
                     "yes" if fits else "no",
                     ", ".join(at),
                     f"{left:.1e}",

@@ -251,4 +251,5 @@ def _use(check: LimitCheck) -> str:
     if check.utilisation == float("inf"):
         return f"{check.joint} unbounded"
     share = 100 * check.utilisation
-    return f"{check.joint} at " + (f"{share:.1f} %" if check.utilisation > _VISIBLE else f"100 % + {share - 100:.1g} %")
+    used = f"{share:z.1f} %" if check.utilisation > _VISIBLE else f"100 % + {share - 100:.1g} %"
+    return f"{check.joint} at {used}"

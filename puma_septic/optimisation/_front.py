@@ -105,7 +105,8 @@ class ParetoFront:
             for k, (trajectory, values) in enumerate(zip(self.trajectories, self.values, strict=True))
         ]
         rows: list[list[Cell]] = [
-            [label, *(f"{t:.4f}" for t in motion.times[1:-1]), *map(float, values)] for label, motion, values in motions
+            [label, *(f"{t:z.4f}" for t in motion.times[1:-1]), *map(float, values)]
+            for label, motion, values in motions
         ]
         limits = []
         if self.verdicts:

@@ -127,13 +127,13 @@ class LeastTime:
     def __str__(self) -> str:
         names = self._joint_names()
         rows: list[list[Cell]] = [
-            [name, *("-" if np.isnan(column[j]) else f"{100 * column[j]:.1f} %" for column in self._used().values())]
+            [name, *("-" if np.isnan(column[j]) else f"{100 * column[j]:z.1f} %" for column in self._used().values())]
             for j, name in enumerate(names)
         ]
-        times = ", ".join(f"{t:.4f}" for t in self.trajectory.times)
-        start = "at no duration" if self.start is None else f"{self.start.duration:.4f} s"
+        times = ", ".join(f"{t:z.4f}" for t in self.trajectory.times)
+        start = "at no duration" if self.start is None else f"{self.start.duration:z.4f} s"
         head = (
-            f"{self.trajectory.profile}: least time {self.duration:.4f} s ({start} with the segments in the given"
+            f"{self.trajectory.profile}: least time {self.duration:z.4f} s ({start} with the segments in the given"
             f" proportions); points at {times} s"
         )
         table = text_table(["used of the limit", *self._used()], rows)

@@ -117,10 +117,10 @@ class OptimisedTimes:
     def __str__(self) -> str:
         headers = ["", *(f"t{k} [s]" for k in range(len(self.times))), f"{self.objective.name} [{self.objective.unit}]"]
         rows: list[list[Cell]] = [
-            ["start", *(f"{t:.4f}" for t in self.start.times), self.start_value],
-            ["optimum", *(f"{t:.4f}" for t in self.times), self.value],
+            ["start", *(f"{t:z.4f}" for t in self.start.times), self.start_value],
+            ["optimum", *(f"{t:z.4f}" for t in self.times), self.value],
         ]
-        change = f"{100 * abs(self.improvement):.1f} % {'lower' if self.improvement >= 0 else 'higher'}"
+        change = f"{100 * abs(self.improvement):z.1f} % {'lower' if self.improvement >= 0 else 'higher'}"
         head = f"{self.start.profile}, {self.objective.name}: {change}"
         limits = [] if self.verdict is None else [*self.verdict.sentence, ""]
         reached = wrap(f"Reached: {self._reached}.", 100)
@@ -136,7 +136,7 @@ class OptimisedTimes:
         return {
             "profile": self.trajectory.profile,
             "objective": self.objective.name,
-            "improvement": f"{100 * self.improvement:.1f} %",
+            "improvement": f"{100 * self.improvement:z.1f} %",
             "times": [float(f"{t:.4g}") for t in self.times],
         }
 

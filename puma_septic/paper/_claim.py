@@ -66,5 +66,5 @@ def verdict_of(*parts: bool) -> Verdict:
 
 def times_text(times: Array) -> str:
     """Instants in words: "2.47 s and 5.45 s"."""
-    texts = [f"{time:.2f} s" for time in np.ravel(times)]
+    texts = [f"{time:z.2f} s" for time in np.ravel(times)]
     return " and ".join(filter(None, [", ".join(texts[:-1]), texts[-1]])) if texts else "never"

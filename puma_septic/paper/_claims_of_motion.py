@@ -33,7 +33,7 @@ def claim_9(e: Evidence) -> Claim:
     best, total = min(least["lspb"], least["lspb, longest blends"]), float(inputs.times[-1])
     return Claim(
         number=9,
-        text=f"The septic is quicker than LSPB ({inputs.septic_seconds:.3f} s against {inputs.lspb_seconds:.3f} s)",
+        text=f"The septic is quicker than LSPB ({inputs.septic_seconds:z.3f} s against {inputs.lspb_seconds:z.3f} s)",
         source="abstract, section 4.3, figures 6 and 7",
         measured={
             "septic_computing_s": computing.septic,
@@ -46,9 +46,9 @@ def claim_9(e: Evidence) -> Claim:
             "lspb_longest_blends_least_duration_s": least["lspb, longest blends"],
         },
         verdict=verdict_of(ratio > 1, least["septic"] < best),
-        explanation=f"The paper timed one run of each, printing and plotting included: LSPB took {printed:.2f} times as"
-        f" long. Here it takes {ratio:.2f} times as long (medians of {computing.runs} runs,"
-        f" {1e6 * computing.septic:.0f} and {1e6 * computing.lspb:.0f} us). The motion takes {total:g} s either way."
+        explanation=f"The paper timed one run of each, printing and plotting included: LSPB took {printed:z.2f} times"
+        f" as long. Here it takes {ratio:z.2f} times as long (medians of {computing.runs} runs,"
+        f" {1e6 * computing.septic:z.0f} and {1e6 * computing.lspb:z.0f} us). The motion takes {total:g} s either way."
         " Stretched in time until the arm's limits on speed and torque are just kept, the septic needs"
         f" {least['septic']:.3g} s, LSPB {least['lspb']:.3g} s with a blend time of {inputs.blend_time / total:.3g} of"
         f" the duration, and {least['lspb, longest blends']:.3g} s with the longest blends that fit.",
@@ -63,7 +63,7 @@ def claim_10(e: Evidence) -> Claim:
     held = (lift > 0) & (np.abs(points[2] - points[1]) <= _HELD * lift)
     excess = np.where(held, trajectory.overshoot / np.where(held, lift, 1.0), 0.0)
     joints = [
-        f"{e.robot.joint_names[j]} {trajectory.overshoot[j]:.3f} rad ({100 * excess[j]:.0f} %)"
+        f"{e.robot.joint_names[j]} {trajectory.overshoot[j]:z.3f} rad ({100 * excess[j]:z.0f} %)"
         for j in np.flatnonzero(held).tolist()
     ]
     price = (
@@ -82,7 +82,7 @@ def claim_10(e: Evidence) -> Claim:
             "excursion_over_lift": excess.tolist(),
         },
         verdict=verdict_of(bool((speed > _STILL).all())),
-        explanation=f"The septic passes them with joints at up to {speed[0]:.3f} and {speed[1]:.3f} rad/s.{price}",
+        explanation=f"The septic passes them with joints at up to {speed[0]:z.3f} and {speed[1]:z.3f} rad/s.{price}",
     )
 
 
@@ -161,7 +161,7 @@ def claim_12(e: Evidence) -> Claim:
             "crossings_s": {kind: times.tolist() for kind, times in crossings.items()},
         },
         verdict=verdict_of(bool(above <= _HELD), not crossings),
-        explanation=f"The septic lifts the tool to z = {top:.3f} m, {100 * above:.1f} cm above the highest point,"
+        explanation=f"The septic lifts the tool to z = {top:z.3f} m, {100 * above:z.1f} cm above the highest point,"
         f" and passes {singular or 'no singularity'}.",
     )
 
@@ -177,14 +177,14 @@ def claim_13(e: Evidence) -> Claim:
     widest = np.inf if unbounded else _largest_spread(np.array(list(peaks.values()))[:, loaded])
     heaviest = float(e.septic.motion.torque_terms.gravity.extrema().peak[1])
     gravity, friction = (
-        f"{e.robot.joint_names[j]}: {100 * min(of):.0f} to {100 * max(of):.0f} % {cause}"
+        f"{e.robot.joint_names[j]}: {100 * min(of):z.0f} to {100 * max(of):z.0f} % {cause}"
         for j, cause in ((1, "gravity"), (0, "friction"))
         for of in [[share[cause][j] for share in shares.values()]]
     )
     said = (
         f"the torque of {' and '.join(unbounded)} is unbounded, because a velocity steps"
         if unbounded
-        else f"their peak torques differ by up to {100 * widest:.0f} %"
+        else f"their peak torques differ by up to {100 * widest:z.0f} %"
     )
     return Claim(
         number=13,
@@ -200,8 +200,8 @@ def claim_13(e: Evidence) -> Claim:
             "peak_spread": widest,
         },
         verdict=verdict_of(dynamic > _HARDLY or bool(unbounded)),
-        explanation=f"In {e.inputs.times[-1]:g} s, accelerating the arm makes up at most {100 * dynamic:.1f} % of a"
-        f" loaded joint's mean square torque ({gravity}, up to {heaviest:.1f} N m; {friction}), whichever of the three"
+        explanation=f"In {e.inputs.times[-1]:g} s, accelerating the arm makes up at most {100 * dynamic:z.1f} % of a"
+        f" loaded joint's mean square torque ({gravity}, up to {heaviest:z.1f} N m; {friction}), whichever of the three"
         f" profiles it runs; {said}.",
     )
 

@@ -31,7 +31,7 @@ def claim_1(e: Evidence) -> Claim:
         source="section 4.1",
         measured={"z_text_m": float(z_text), "z_table_1_m": float(z_table), "distance_m": off.tolist()},
         verdict=verdict_of(bool(agrees[2])),
-        explanation=f"Table 1 puts the wrist centre at z = {z_table:+.4f} m there, {off[2]:.2g} m from the text's"
+        explanation=f"Table 1 puts the wrist centre at z = {z_table:+z.4f} m there, {off[2]:.2g} m from the text's"
         f" point; at the other points it is at most {others:.1g} m off.",
     )
 
@@ -70,8 +70,8 @@ def claim_3(e: Evidence) -> Claim:
     beyond_limits = [(int(i), int(j)) for i, j in np.argwhere(beyond > 0)]
     worst = {j: max((i for i, k in beyond_limits if k == j), key=lambda i: beyond[i, j]) for _, j in beyond_limits}
     sentences = [
-        f"{e.robot.joint_names[j]} = {np.degrees(q[i, j]):.2f} deg at {POINTS[i]} (range"
-        f" {np.degrees(limits[j, 0]):.0f} to {np.degrees(limits[j, 1]):.0f} deg)"
+        f"{e.robot.joint_names[j]} = {np.degrees(q[i, j]):z.2f} deg at {POINTS[i]} (range"
+        f" {np.degrees(limits[j, 0]):z.0f} to {np.degrees(limits[j, 1]):z.0f} deg)"
         for j, i in sorted(worst.items())
     ]
     free = ", ".join(f"{n} at {point}" for point, n in zip(POINTS, e.branches_within_limits, strict=True))
@@ -108,7 +108,7 @@ def claim_4(e: Evidence) -> Claim:
     ]
     used = {c.joint: c.utilisation for c in e.septic.checks if c.quantity == "velocity"}
     highest = max(used, key=lambda joint: used[joint], default="")
-    arm = f" Of the arm's own speed limits it uses {100 * used[highest]:.0f} % ({highest})." if used else ""
+    arm = f" Of the arm's own speed limits it uses {100 * used[highest]:z.0f} % ({highest})." if used else ""
     return Claim(
         number=4,
         text="The specified velocity and acceleration constraints are not violated",
@@ -139,7 +139,7 @@ def claim_5(e: Evidence) -> Claim:
     square, other = (_jerk_squared(one) for one in (septic, e.spline))
     gentler = [_name(e, j) for j in np.flatnonzero(other_peak < peak * (1 - _SAME)).tolist()]
     largest = int(np.maximum(np.abs(start), np.abs(end)).argmax())
-    ends = "; ".join(f"{_name(e, j)} {start[j]:.3f} and {end[j]:.3f}" for j in sorted({0, largest}))
+    ends = "; ".join(f"{_name(e, j)} {start[j]:z.3f} and {end[j]:z.3f}" for j in sorted({0, largest}))
     return Claim(
         number=5,
         text="The septic's jerk is continuous and kept to a minimum",
@@ -168,7 +168,7 @@ def claim_6(e: Evidence) -> Claim:
     past_septic, past_lspb = (float(one.overshoot[0]) for one in trajectories)
     low, high = e.inputs.table_1[:, 0].min(), e.inputs.table_1[:, 0].max()
     septic_range = (
-        f"{septic.max[0]:.4f} rad at {septic.t_max[0]:.2f} s and {septic.min[0]:.4f} rad at {septic.t_min[0]:.2f} s"
+        f"{septic.max[0]:z.4f} rad at {septic.t_max[0]:z.2f} s and {septic.min[0]:z.4f} rad at {septic.t_min[0]:z.2f} s"
     )
     return Claim(
         number=6,
@@ -186,7 +186,7 @@ def claim_6(e: Evidence) -> Claim:
         },
         verdict=verdict_of(past_lspb > 0, past_septic == 0),
         explanation=f"The points span {low:g} to {high:g} rad. The septic reaches {septic_range},"
-        f" {past_septic:.4f} rad past them; LSPB reaches {lspb.max[0]:.4f} rad, {past_lspb:.4f} rad past them.",
+        f" {past_septic:z.4f} rad past them; LSPB reaches {lspb.max[0]:z.4f} rad, {past_lspb:z.4f} rad past them.",
     )
 
 

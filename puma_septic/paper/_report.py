@@ -194,7 +194,7 @@ def _difference(computed: Array, printed: Array) -> str:
 
 def _table(headers: list[str], names: Any, values: Array) -> str:
     # Adding 0.0 turns -0.0000 into 0.0000.
-    rows = [[name, *(f"{round(value, 4) + 0.0:.4f}" for value in row)] for name, row in zip(names, values, strict=True)]
+    rows = [[name, *(f"{value:z.4f}" for value in row)] for name, row in zip(names, values, strict=True)]
     return text_table(headers, rows)
 
 
@@ -215,6 +215,6 @@ def _computing(e: Evidence) -> str:
     return (
         f"Computing times, medians of {e.computing.runs} runs of making the coefficients and evaluating all joints"
         f" at {e.computing.instants} instants ({TIME_STEP:g} s apart), on this machine:\n"
-        f"septic {1e6 * e.computing.septic:.0f} us (the paper prints {e.inputs.septic_seconds:.6f} s), LSPB"
-        f" {1e6 * e.computing.lspb:.0f} us (the paper prints {e.inputs.lspb_seconds:.6f} s)"
+        f"septic {1e6 * e.computing.septic:z.0f} us (the paper prints {e.inputs.septic_seconds:z.6f} s), LSPB"
+        f" {1e6 * e.computing.lspb:z.0f} us (the paper prints {e.inputs.lspb_seconds:z.6f} s)"
     )

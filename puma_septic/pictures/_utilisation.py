@@ -64,7 +64,7 @@ def percent_text(utilisation: float, *, is_violated: bool = False) -> str:
     """
     if np.isnan(utilisation):
         return "not known"
-    size = "unbounded" if np.isinf(utilisation) else f"{100 * utilisation:.0f} %"
+    size = "unbounded" if np.isinf(utilisation) else f"{100 * utilisation:z.0f} %"
     return f"{size} !" if is_violated else size
 
 

@@ -172,7 +172,7 @@ def _text(value: float, end: float) -> str:
         return "unbounded"
     if np.isnan(value):
         return "not known"
-    size = f"{value:.3g}" if value < 1000 else f"{value:.0f}"
+    size = f"{value:.3g}" if value < 1000 else f"{value:z.0f}"
     return f"{size} ▸" if value > end else size
 
 

@@ -114,7 +114,7 @@ def stops_picture(table: StopTable) -> Picture:
         title=f"Stops of category {table.category}: angle from the command to rest",
         panels=tuple(panels),
         columns=len(loads),
-        legend=tuple(Entry(f"{100 * value:.0f} % of the reach", fill) for value, fill in fills.items()),
+        legend=tuple(Entry(f"{100 * value:z.0f} % of the reach", fill) for value, fill in fills.items()),
         footnote="A prediction from a model, not a safety function.",
         has_own_colours=True,
     )
@@ -126,16 +126,16 @@ def _stops_panel(table: StopTable, joint: str, load: float, fills: dict[float, F
     of_joint = [row.angle for row in table.rows if row.joint == joint and np.isfinite(row.angle)]
     end = 1.25 * max(of_joint, default=1.0)
     return bars(
-        f"{joint}, {100 * load:.0f} % of {table.full_load:g} kg",
+        f"{joint}, {100 * load:z.0f} % of {table.full_load:g} kg",
         "angle [rad]",
-        rows=[f"{100 * speed:.0f} % speed" for speed in speeds],
+        rows=[f"{100 * speed:z.0f} % speed" for speed in speeds],
         bars=[
             Bar(
                 row=speeds.index(row.speed),
                 slot=list(fills).index(row.extension),
                 length=row.angle,
                 fill=fills[row.extension],
-                text="none" if np.isnan(row.angle) else "not held" if np.isinf(row.angle) else f"{row.angle:.3f}",
+                text="none" if np.isnan(row.angle) else "not held" if np.isinf(row.angle) else f"{row.angle:z.3f}",
             )
             for row in rows
         ],

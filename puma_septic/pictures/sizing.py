@@ -134,7 +134,7 @@ def sizing_utilisation_picture(sizing: Sizing) -> Picture:
         for joint, _ in _joints(sizing)
     ]
     legend: dict[str, Style] = {
-        f"to {_CLOSE_FROM:.0f} %": _KEPT,
+        f"to {_CLOSE_FROM:z.0f} %": _KEPT,
         "to 100 %": _CLOSE,
         "violated": _VIOLATED,
         "rule of thumb (?) exceeded": _UNUSUAL,

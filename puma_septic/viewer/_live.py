@@ -79,7 +79,7 @@ class Replay:
         return one_line("Replay", self._facts())
 
     def _facts(self) -> dict[str, object]:
-        return {"url": self.url, "size": f"{len(self.html) / 1e6:.1f} MB"}
+        return {"url": self.url, "size": f"{len(self.html) / 1e6:z.1f} MB"}
 
 
 def replay(

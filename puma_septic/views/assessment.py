@@ -11,7 +11,7 @@ from puma_septic.document import csv_text, numeric
 from puma_septic.limit_check import LimitCheck
 from puma_septic.quantities import MOTION, QUANTITIES, Quantity
 from puma_septic.views.checks import read_checks
-from puma_septic.views.tables import html_table, text_table
+from puma_septic.views.tables import html_table, number, text_table
 from puma_septic.views.units import SI, Units
 
 __all__ = [
@@ -114,7 +114,7 @@ def lowest_text(lowest: Document) -> str:
     """Which part of the arm comes how low, and when."""
     height = numeric(lowest["height"])
     side = "below" if height < 0 else "above"
-    return f"{lowest['part']}, {abs(height):.3f} m {side} the base at {numeric(lowest['time']):.3f} s"
+    return f"{lowest['part']}, {abs(height):z.3f} m {side} the base at {numeric(lowest['time']):z.3f} s"
 
 
 def lists(document: Document) -> dict[str, list[str]]:
@@ -162,7 +162,7 @@ def _joint_rows(document: Document) -> tuple[list[list[str]], list[list[str]]]:
         checks = {check.quantity: check for check in read_checks(joint["checks"])}
         motion.append([
             joint["name"],
-            f"{joint['position_min']:.3f} .. {joint['position_max']:.3f}{_use(checks.get('position'))}",
+            f"{joint['position_min']:z.3f} .. {joint['position_max']:z.3f}{_use(checks.get('position'))}",
             *(_size(joint[f"peak_{name}"], checks.get(name)) for name in MOTION[1:]),
         ])  # fmt: skip
         torque = numeric(joint["peak_torque"]) * joint["peak_torque_sign"] + 0.0  # no -0
@@ -170,7 +170,7 @@ def _joint_rows(document: Document) -> tuple[list[list[str]], list[list[str]]]:
         effort.append([
             joint["name"],
             _size(torque, checks.get("effort")),
-            _UNKNOWN if isnan(at) else f"{at:.3f}",
+            _UNKNOWN if isnan(at) else f"{at:z.3f}",
             _size(joint["rms_torque"], None),
             *(_size(joint[f"peak_{one.attribute}"], checks.get(one.name)) for one in further),
             _size(joint["energy_in"], None),
@@ -192,7 +192,7 @@ def _without_rounding(joints: Sequence[Document]) -> list[dict[str, Any]]:
 
 def _size(value: float | str | None, check: LimitCheck | None) -> str:
     size = value if isinstance(value, float) else numeric(value)
-    return ("unbounded" if isinf(size) else _UNKNOWN if isnan(size) else f"{size:.4g}") + _use(check)
+    return ("unbounded" if isinf(size) else _UNKNOWN if isnan(size) else number(size)) + _use(check)
 
 
 def _use(check: LimitCheck | None) -> str:
@@ -201,7 +201,7 @@ def _use(check: LimitCheck | None) -> str:
     if isinf(check.utilisation):
         return " (!)"
     mark = "!" if check.is_violated else ""
-    return f" ({100 * check.utilisation:.0f} %{mark})"
+    return f" ({100 * check.utilisation:z.0f} %{mark})"
 
 
 def _margin(joint: Document, quantity: Quantity) -> str:
@@ -210,23 +210,25 @@ def _margin(joint: Document, quantity: Quantity) -> str:
         return "not known"
     if isinf(value):
         return "none"
-    return f"{value:.3g} {quantity.unit(joint['is_prismatic'])}" if quantity.is_range else f"{100 * value:.0f} %"
+    return (
+        f"{number(value, 3)} {quantity.unit(joint['is_prismatic'])}" if quantity.is_range else f"{100 * value:z.0f} %"
+    )
 
 
 def _tool_text(document: Document) -> str:
     tool = document["tool"]
     acceleration, (low, high) = numeric(tool["peak_acceleration"]), tool["height_range"]
-    reached = "acceleration unbounded" if isinf(acceleration) else f"acceleration up to {acceleration:.3f} m/s^2"
+    reached = "acceleration unbounded" if isinf(acceleration) else f"acceleration up to {acceleration:z.3f} m/s^2"
     parts = [
-        f"Tool {document['tool_frame']!r}: speed up to {tool['peak_speed']:.3f} m/s at {tool['peak_speed_time']:.3f} s,"
-        f" {reached}, height {low:.3f} to {high:.3f} m"
+        f"Tool {document['tool_frame']!r}: speed up to {tool['peak_speed']:z.3f} m/s at"
+        f" {tool['peak_speed_time']:z.3f} s, {reached}, height {low:z.3f} to {high:z.3f} m"
     ]
     parts.append(f"Lowest point: {lowest_text(document['lowest'])}")
     if limits := read_checks(tool.get("checks", [])):
         parts.append(f"Limits of the tool: {'; '.join(_tool_use(check) for check in limits)}")
     for report in document["singularities"]:
         if report["crossings"]:
-            times = ", ".join(f"{time:.3f}" for time in report["crossings"])
+            times = ", ".join(f"{time:z.3f}" for time in report["crossings"])
             parts.append(f"Singularity {report['kind']!r}: crossed at {times} s")
     return "\n".join(parts)
 

@@ -19,7 +19,7 @@ def read_checks(documents: Iterable[Mapping[str, Any]]) -> tuple[LimitCheck, ...
 
 def percent(utilisation: float, digits: int = 0) -> str:
     """A utilisation as text."""
-    return "unbounded" if isinf(utilisation) else f"{100 * utilisation:.{digits}f} %"
+    return "unbounded" if isinf(utilisation) else f"{100 * utilisation:z.{digits}f} %"
 
 
 def verdict(words: tuple[str, str], violations: Sequence[LimitCheck], governing: LimitCheck | None) -> str:
@@ -48,4 +48,4 @@ def unmet_text(checks: Sequence[LimitCheck], not_assessed: Sequence[str], margin
 def _margin(check: LimitCheck) -> str:
     if check.is_range:
         return f"{number(check.margin)} {check.unit}"
-    return f"{100 * check.margin:.1f} %" if isfinite(check.margin) else "none"
+    return f"{100 * check.margin:z.1f} %" if isfinite(check.margin) else "none"

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from html import escape
-from math import fsum, isinf, isnan, sqrt
+from math import fsum, isnan, sqrt
 from typing import Any, Final
 
 from puma_septic.document import csv_text, numeric
 from puma_septic.limit_check import HEIGHT, LimitCheck, most_used_first
-from puma_septic.views.checks import read_checks
-from puma_septic.views.tables import html_table, text_table
+from puma_septic.views.checks import percent, read_checks
+from puma_septic.views.tables import html_table, number, text_table
 from puma_septic.views.units import SI, Units
 
 __all__ = ["csv", "html", "short_text", "text"]
@@ -65,7 +65,7 @@ def text(document: Document) -> str:
         _NOTE + _starred(document),
         "",
         text_table(*_motion_table(document)),
-        "Of the joint with the largest; end: at start or end; class with the rest before and after; -- is unbounded.",
+        "Of the joint with the largest; end: at start or end; class with the rest before and after.",
     ]
     for title, remarks in _remarks(document).items():
         lines += ["", title, *(f"  {remark}" for remark in remarks)]
@@ -79,8 +79,7 @@ def html(document: Document, units: Units = SI) -> str:
         _boxed(html_table(*units.table(*_choice_table(document, document["ranking"])))),
         f"<p>{escape(_NOTE + _starred(document))}</p>",
         _boxed(html_table(*units.table(*_motion_table(document)))),
-        "<p>Of the joint with the largest; end: at start or end; class with the rest before and after;"
-        " -- is unbounded.</p>",
+        "<p>Of the joint with the largest; end: at start or end; class with the rest before and after.</p>",
     ]
     for title, remarks in _remarks(document).items():
         items = "".join(f"<li>{escape(units.prose(remark))}</li>" for remark in remarks)
@@ -167,19 +166,25 @@ def _choice_table(document: Document, names: Sequence[str]) -> tuple[list[str], 
 
 
 def _motion_table(document: Document) -> tuple[list[str], list[list[str]]]:
-    unit = _unit(document)
-    heads = ["profile", "class", "time [s]", *(head.format(unit) for _, head in _MOTION), "rms torque"]
-    rows = [
+    unit, torque = _unit(document), "N m" if _unit(document) == "rad" else "N m or N"
+    rows = _ranked(document)
+    # Profiles on the task's own times take the same, which the head tells.
+    timed = len({round(row["duration"], 9) for row in rows}) > 1
+    heads = [
+        "profile", "class", *(["time [s]"] if timed else []), *(head.format(unit) for _, head in _MOTION),
+        f"rms torque [{torque}]",
+    ]  # fmt: skip
+    table = [
         [
             row["name"],
             row["continuity"],
-            f"{row['duration']:.4g}",
+            *([f"{row['duration']:.4g}"] if timed else []),
             *(_short(numeric(row["overall"][key])) for key, _ in _MOTION),
             _short(sqrt(fsum(numeric(value) ** 2 for value in row["joints"]["rms_torque"]))),
         ]
-        for row in _ranked(document)
+        for row in rows
     ]
-    return heads, rows
+    return heads, table
 
 
 def _unit(document: Document) -> str:
@@ -202,7 +207,7 @@ def _torque(row: Document, joint_names: list[str]) -> str:
         known = {name: peak for name, peak in zip(joint_names, peaks, strict=True) if not isnan(peak)}
         return f"{max(known, key=known.__getitem__)} {_short(max(known.values()))}" if known else _UNKNOWN
     worst = max(checks, key=lambda check: check.utilisation)
-    return "--" if isinf(worst.utilisation) else f"{100 * worst.utilisation:.1f} %"
+    return percent(worst.utilisation, 1)
 
 
 def _violated(checks: tuple[LimitCheck, ...]) -> str:
@@ -215,6 +220,4 @@ def _violated(checks: tuple[LimitCheck, ...]) -> str:
 
 
 def _short(value: float) -> str:
-    if isnan(value):
-        return _UNKNOWN
-    return "--" if isinf(value) else f"{value:.4g}" if value >= 1 else f"{value:.3g}"
+    return _UNKNOWN if isnan(value) else number(value)

@@ -54,7 +54,7 @@ def _rows(document: Document) -> list[list[Cell]]:
         governing = "" if step["governing"] is None else _use(LimitCheck.from_dict(step["governing"]))
         verdict = {None: "", True: "feasible", False: "infeasible"}[step["is_feasible"]]
         speed = f"{numeric(step['tool_speed']):.3g}" if step["is_feasible"] is not None else ""
-        times = (f"{step['start']:.3f}", f"{step['duration']:.3f}")
+        times = (f"{step['start']:z.3f}", f"{step['duration']:z.3f}")
         rows.append([step["name"], *times, f"{step['payload_mass']:g}", speed, verdict, governing])
     return rows
 

@@ -4,40 +4,41 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from html import escape
-from math import isinf, isnan
+from math import isinf
 from textwrap import wrap
 from typing import Any, Final
 
 from puma_septic.document import csv_text, numeric
-from puma_septic.views.tables import Cell, html_table, text_table
+from puma_septic.views.tables import Cell, html_table, number, text_table
 
-__all__ = ["csv", "html", "simulation_html", "simulation_text", "text"]
+__all__ = ["csv", "html", "sentence", "simulation_html", "simulation_text", "text"]
 
 Document = Mapping[str, Any]
 
 _WIDTH: Final = 100
-_JOINTS: Final = ("joint", "peak error", "rms", "at the end", "vibration", "saturated", "energy")
+_JOINTS: Final = ("joint", "error [rad]", "rms", "at the end", "vibration", "at limit [s]", "energy [J]")
 _JOINT_NOTE: Final = (
-    "Deviation from the plan in rad (m for prismatic joints), the largest, the root mean square and at the end of the"
-    " motion; vibration: half the range after the end; how long the torque was at its limit, s; what the actuator put"
-    " in, J. From samples of a simulation."
+    "Deviation from the plan (m for prismatic joints): the largest, the root mean square and at the end of the motion;"
+    " vibration: half the range after the end; at limit: how long the torque was at its limit; energy: what the"
+    " actuator put in. From samples of a simulation."
 )
 _PROFILES: Final = (
     "profile",
-    "time",
-    "tool error",
-    "rms",
-    "at end",
-    "settled",
-    "swing",
-    "joints",
-    "sat.",
-    "energy",
+    "time\n[s]",
+    "tool\n[mm]",
+    "rms\n[mm]",
+    "at end\n[mm]",
+    "settled\n[s]",
+    "swing\n[mm]",
+    "joints\n[mrad]",
+    "limit\n[s]",
+    "energy\n[J]",
 )
 _PROFILE_NOTE: Final = (
-    "Time, s; distance of the tool from its plan, mm: the largest, the root mean square and at the end of the motion; s"
-    " until it stays within 0.1 mm; swing: half its range after the end, mm; largest deviation of a joint, mrad (mm);"
-    " s at the torque limit, summed over the joints; energy put in, J. From samples of a simulation."
+    "Distance of the tool from its plan: the largest, the root mean square and at the end of the motion; settled: time"
+    " until it stays within 0.1 mm; swing: half its range after the end; joints: the largest deviation of a joint"
+    " (mm where prismatic); limit: how long a torque was at its limit, summed over the joints; energy put in. From"
+    " samples of a simulation."
 )
 
 
@@ -61,9 +62,28 @@ def simulation_html(document: Document) -> str:
     return f"{head}\n{table}\n<p>{escape(_JOINT_NOTE)}</p>\n<p>{escape(_tool(run['metrics']))}</p>"
 
 
+def sentence(document: Document) -> str:
+    """What a reader wants to know first: which arms left their plans, and which came closest to its own."""
+    diverged = [run["name"] for run in document["runs"] if run["divergence"]]
+    kept = [run for run in document["runs"] if not run["divergence"]]
+    said = [f"Diverged from the plan: {', '.join(diverged)}."] if diverged else []
+    if not kept:
+        return said[0]
+    best = min(kept, key=lambda run: float(run["metrics"]["tool_peak_error"]))
+    closest = "Closest to its plan" if len(kept) > 1 else "Distance from the plan"
+    said.append(f"{closest}: {best['name']}, the tool at most {_mm(best['metrics']['tool_peak_error'])} mm off.")
+    late = [run["name"] for run in kept if isinf(numeric(run["metrics"]["settling_time"]))]
+    said += [f"Not within 0.1 mm in the simulated time after the end: {', '.join(late)}."] if late else []
+    limited = [run["name"] for run in kept if sum(run["metrics"]["saturation_time"]) > 0]
+    said.append(f"Torque at its limit: {', '.join(limited)}." if limited else "No torque reached its limit.")
+    return " ".join(said)
+
+
 def text(document: Document) -> str:
-    """One row for each profile, and what they have in common."""
+    """What matters in a sentence, one row for each profile, and what they have in common."""
     lines = [
+        *wrap(sentence(document), _WIDTH),
+        "",
         *wrap(_common(document), _WIDTH),
         "",
         text_table(_PROFILES, _profile_rows(document)),
@@ -103,7 +123,7 @@ _PER_JOINT: Final = (
 
 
 def _profile_table(document: Document) -> str:
-    return html_table(_PROFILES, _profile_rows(document))
+    return html_table([head.replace("\n", " ") for head in _PROFILES], _profile_rows(document))
 
 
 def _head(document: Document) -> str:
@@ -182,4 +202,4 @@ def _mm(metres: float) -> str:
 
 
 def _short(value: float) -> str:
-    return "unbounded" if isinf(value) else "unknown" if isnan(value) else f"{value:.3g}"
+    return number(value, 3)

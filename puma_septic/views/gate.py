@@ -75,6 +75,6 @@ def _cell(margin: LimitCheck | None) -> str:
     if margin is None:
         return "unknown"
     mark = " !" if margin.is_violated else ""
-    share = f"{100 * margin.margin:.1f} %" if isfinite(margin.margin) else "none"
+    share = f"{100 * margin.margin:z.1f} %" if isfinite(margin.margin) else "none"
     size = f"{number(margin.margin, 3)} {margin.unit}" if margin.is_range else share
-    return f"{size} at {margin.time:.3f} s{mark}"
+    return f"{size} at {margin.time:z.3f} s{mark}"

@@ -17,6 +17,8 @@ __all__ = ["html", "short_text", "text"]
 Document = Mapping[str, Any]
 
 # The columns of the drives, those of optional terms where a joint has them.
+# Decimals of a pose: below a micrometre and a millionth of a degree is what rounding left.
+_PLACES: Final = 6
 _DRIVE: Final = {
     "gear_ratio": "gear ratio",
     "rotor_inertia": "rotor inertia [kg m²]",
@@ -102,7 +104,7 @@ def _drive_text(joints: Sequence[Document]) -> str:
 def _pose_text(document: Document) -> str:
     pose = document["pose"]
     at = ", ".join(f"{name} {value:g}" for name, value in pose["joints"].items() if value) or "all joints at 0"
-    place, turn = (", ".join(f"{value + 0.0:.5g}" for value in pose[key]) for key in ("position", "rpy_deg"))
+    place, turn = (", ".join(f"{round(value, _PLACES):z.5g}" for value in pose[key]) for key in ("position", "rpy_deg"))
     return f"Tool at {at}:\n  position {place} m\n  roll, pitch, yaw {turn} degrees"
 
 
@@ -151,7 +153,10 @@ def _limit_table(document: Document) -> str:
 
 def _limit(joint: Document, name: str) -> str:
     if name == "position":
-        return "unbounded" if joint["is_continuous"] else " to ".join(map(_known, joint["limits"][name]))
+        least, most = joint["limits"][name]
+        if joint["is_continuous"]:
+            return "unbounded"
+        return f"±{_known(most)}" if least == -most else f"{_known(least)} to {_known(most)}"
     return _known(joint["limits"][name])
 
 

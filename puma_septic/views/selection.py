@@ -109,7 +109,7 @@ def _choice(document: Document) -> Table:
 
 def _percent(margin: Any) -> str:
     value = numeric(margin)
-    return "unknown" if isnan(value) else f"{100 * value:.1f} %"
+    return "unknown" if isnan(value) else f"{100 * value:z.1f} %"
 
 
 def _bill(document: Document) -> Table:
@@ -191,7 +191,7 @@ def _use(c: Document) -> tuple[str, str]:
         return "", "none known"
     governing = LimitCheck.from_dict(c["governing"])
     case = f" ({governing.case})" if governing.case else ""
-    return f"{100 * governing.utilisation:.1f} %", governing.quantity + case
+    return f"{100 * governing.utilisation:z.1f} %", governing.quantity + case
 
 
 def _window(least: float, most: float) -> str:
@@ -203,7 +203,7 @@ def _window(least: float, most: float) -> str:
 
 
 def _ratio(value: float) -> str:
-    return f"{value:.0f}" if value >= 1 else f"{value:.2g}"
+    return f"{value:z.0f}" if value >= 1 else f"{value:.2g}"
 
 
 def _hours(value: Any) -> str:

@@ -171,7 +171,7 @@ def _demand_row(document: Document, joint: Document) -> list[Cell]:
     return [
         *_names(document, joint), value["peak_load_torque"], value["average_load_torque"],
         *(causes[name] if causes[name] > _ROUNDING * total else 0.0 for name in _CAUSES),
-        value["peak_motor_torque"], f"{value['peak_motor_torque_time']:.3f}", value["rms_motor_torque"],
+        value["peak_motor_torque"], f"{value['peak_motor_torque_time']:z.3f}", value["rms_motor_torque"],
         value["peak_motor_speed"] * _RPM, value["mean_motor_speed"] * _RPM, value["work_given"], value["work_returned"],
     ]  # fmt: skip
 
@@ -198,7 +198,7 @@ def _check_table(document: Document) -> Table:
     rows: list[list[Cell]] = []
     for c in _checks(document):
         if not _is_idle(c):
-            when = "" if isnan(c.time) else f"{c.time:.3f}"
+            when = "" if isnan(c.time) else f"{c.time:z.3f}"
             mark = ("?" if c.kind == "rule of thumb" else "") + ("!" if (c.joint, c.quantity) in broken else "")
             case = [c.case] if cased else []
             use, margin = percent(c.utilisation, 1), percent(c.margin, 1)

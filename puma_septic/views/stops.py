@@ -63,11 +63,11 @@ def _table(document: Document) -> tuple[list[str], list[list[Cell]]]:
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.0f}"
+    return f"{100 * share:z.0f}"
 
 
 def _cell(row: Document) -> str:
     duration, angle = numeric(row["duration"]), numeric(row["angle"])
     if isnan(duration):
         return "none"
-    return "not held" if isinf(duration) else f"{1e3 * duration:.0f} ({angle:.2f})"
+    return "not held" if isinf(duration) else f"{1e3 * duration:z.0f} ({angle:z.2f})"

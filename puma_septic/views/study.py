@@ -42,4 +42,4 @@ def _value(value: Any) -> Cell:
 
 
 def _share(part: int, whole: int) -> str:
-    return f"{100 * part / whole:.1f} %" if whole else "none"
+    return f"{100 * part / whole:z.1f} %" if whole else "none"

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from html import escape
+from typing import Final
 
 from tabulate import tabulate
 
 from puma_septic.errors import InputError
+from puma_septic.quantities import typeset
 
 __all__ = ["Cell", "html_table", "number", "text_table"]
 
@@ -18,6 +21,11 @@ Cell = str | int | float
 _UNBOUNDED, _UNKNOWN = "unbounded", "unknown"
 # Outside these magnitudes the power of ten is written out.
 _PLAIN_FROM, _PLAIN_BELOW = 1e-4, 1e7
+# A cell that stands at the right: a number, a percentage, a number with the share of a limit behind it.
+_NUMBER: Final = re.compile(r"[-±]?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?: %)?(?: \(\d* ?%?!?\)| !)?")
+_WORDS: Final = ("", "--", "none", "not known", _UNBOUNDED, _UNKNOWN)
+# The minus of a number that begins a cell or stands within it.
+_MINUS: Final = re.compile(r"(?<![\w.)-])-(?=\d)")
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -40,7 +48,7 @@ def number(value: float, digits: int = 4) -> str:
     if not _PLAIN_FROM <= abs(value) < _PLAIN_BELOW:
         return scientific
     exponent = int(scientific.partition("e")[2])  # after rounding: 9.9996 is 10.00
-    return f"{value:.{max(0, digits - 1 - exponent)}f}"
+    return f"{value:z.{max(0, digits - 1 - exponent)}f}"
 
 
 def text_table(headers: Sequence[str], rows: Sequence[Sequence[Cell]]) -> str:
@@ -67,12 +75,15 @@ def text_table(headers: Sequence[str], rows: Sequence[Sequence[Cell]]) -> str:
 def html_table(headers: Sequence[str], rows: Sequence[Sequence[Cell]], *, caption: str | None = None) -> str:
     """Lay out rows as an HTML table, columns of numbers to the right; every string is escaped.
 
+    Powers of units and minus signs are set as in print; a percentage stays with its sign.
+
     Raises
     ------
     InputError
         If a row has not one cell per header.
     """
-    table = _table(headers, rows, "html")
+    cells = [[_MINUS.sub("\u2212", _text(cell)).replace(" %", "\u00a0%") for cell in row] for row in rows]
+    table = _table([typeset(head) for head in headers], cells, "html")
     if caption is None:
         return table
     return table.replace("<table>", f"<table>\n<caption>{escape(caption)}</caption>", 1)
@@ -94,10 +105,5 @@ def _text(cell: Cell) -> str:
 
 
 def _is_number(text: str) -> bool:
-    if text.strip(" -") in ("", _UNBOUNDED, _UNKNOWN):
-        return True
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+    plain = text.replace("\u2212", "-").replace("\u00a0", " ").strip()
+    return plain.removeprefix("-") in _WORDS or _NUMBER.fullmatch(plain) is not None

@@ -41,7 +41,7 @@ def test_a_robot_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
     text = capsys.readouterr().out
     assert "arm: 2 joints, tool 'tip' (chosen; --tool FRAME for another)" in text
     row = next(line for line in text.splitlines() if line.startswith("shoulder"))
-    assert row.split() == ["shoulder", "revolute", "-2", "to", "2", "3", "unknown", "unknown", "50", "6"]
+    assert row.split() == ["shoulder", "revolute", "±2", "3", "unknown", "unknown", "50", "6"]
     assert "base, upper, fore, tip" in text
     assert "position 0.7, 0, 0.5 m" in text  # 0.4 + 0.3 along x, at the shoulder's height
 

@@ -1,0 +1,1 @@
+"""Attempts to break the package, each with a rule that it must keep: ``python -m campaign``."""

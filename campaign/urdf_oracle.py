@@ -1,0 +1,157 @@
+"""Is a robot what its text says? Every link's place, every body, inertia, torque and limit against a second reading."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+import pinocchio as pin
+
+import puma_septic as ps
+from campaign.mechanics import Arm, joined, mass_matrix_and_torque
+from campaign.rules import UnsoundError
+from campaign.urdf_text import Body, Text, UnreadableError, limit, read
+
+POSES: Final = 5
+# Relative to the sum of the magnitudes of all terms: some hundred operations' rounding, and what two ways of reading
+# angles of four digits cost; an inertia that is lost is larger by many powers of ten.
+CLOSE: Final = 1e-9
+
+
+def check_robot(robot: ps.Robot, data: bytes, held: Mapping[str, float]) -> None:
+    """Hold a robot that was loaded without an actuator file against the bytes of its URDF.
+
+    Parameters
+    ----------
+    held : mapping of str to float
+        Joints that it was loaded with locked, and where.
+    """
+    try:
+        text = read(data)
+    except ET.ParseError as error:
+        if "unbound prefix" in str(error):  # a namespace that is not declared; nothing that is read stands in one
+            return
+        raise UnsoundError(f"no XML: accepted, though {error}") from error
+    except UnreadableError as error:
+        raise UnsoundError(f"unclear: accepted, though {error}") from error
+    arm = Arm(text, tuple(name for name in text.own if name not in held), dict(held))
+    if tuple(robot.joint_names) != arm.own:
+        raise UnsoundError(f"joints: {robot.joint_names}, the text has {arm.own}")
+    bodies = _used_bodies(robot, text, arm)
+    _check_bodies(robot, arm, bodies)
+    _check_limits(robot, arm)
+    rng = np.random.default_rng(len(data))
+    for _ in range(POSES):
+        _check_pose(robot, arm, bodies, rng)
+
+
+def _used_bodies(robot: ps.Robot, text: Text, arm: Arm) -> dict[str, Body]:
+    """The bodies that must be in the model: those that are sound, and those that the robot does not call unusable."""
+    used = {}
+    for link, body in text.bodies.items():
+        is_left_out = link in robot.unusable_inertia
+        if isinstance(body, str) and not is_left_out and _moves(link, arm):
+            raise UnsoundError(f"inertia that is none: used of link {link!r}, though {body}")
+        if isinstance(body, Body) and body.is_sound and is_left_out:
+            raise UnsoundError(f"inertia left out: of link {link!r}, a body's")
+        if isinstance(body, Body) and not is_left_out:
+            used[link] = body
+    return used
+
+
+def _moves(link: str, arm: Arm) -> bool:
+    above = {joint.child: joint for joint in arm.text.joints.values()}
+    while link in above:
+        if above[link].kind != "fixed":
+            return True
+        link = above[link].parent
+    return False
+
+
+def _check_bodies(robot: ps.Robot, arm: Arm, bodies: dict[str, Body]) -> None:
+    """Mass, centre and tensor of every body of the model, with all that is fixed to it, against the text's numbers."""
+    rest = np.zeros(len(arm.own))
+    places = {link: moving.place for link, moving in arm.motion(rest, rest, rest).items()}
+    carried = _carriers(arm)
+    for joint in arm.text.joints.values():
+        if joint.kind == "fixed" or arm.coordinate(joint)[0] is None:
+            continue
+        back = np.linalg.inv(places[joint.child])
+        parts = [(back @ places[link], body) for link, body in bodies.items() if carried[link] == joint.name]
+        _compare_body(robot.bare_model.inertias[robot.bare_model.getJointId(joint.name)], joined(parts), joint.child)
+
+
+def _carriers(arm: Arm) -> dict[str, str]:
+    """The moving joint that each link is fixed to, "" for the base."""
+    carried = dict.fromkeys(arm.text.bodies, "")
+    for name in arm.text.order:
+        joint = arm.text.joints[name]
+        carried[joint.child] = carried[joint.parent] if arm.coordinate(joint)[0] is None else name
+    return carried
+
+
+def _compare_body(read_in: pin.Inertia, said: tuple[float, np.ndarray, np.ndarray, float], link: str) -> None:
+    mass, first, tensor, size = said
+    c = np.array(read_in.lever)
+    about_origin = np.array(read_in.inertia) + read_in.mass * (c @ c * np.eye(3) - np.outer(c, c))
+    if abs(read_in.mass - mass) > CLOSE * mass:
+        raise UnsoundError(f"mass: of link {link!r} {read_in.mass!r} kg, the text has {mass!r}")
+    if np.abs(about_origin - tensor).max() > CLOSE * size:
+        raise UnsoundError(f"inertia: of link {link!r} {about_origin.tolist()} kg m^2, the text has {tensor.tolist()}")
+    if np.abs(read_in.mass * c - first).max() > CLOSE * (np.sqrt(mass * size) + np.abs(first).max()):
+        raise UnsoundError(
+            f"centre: of link {link!r} {(read_in.mass * c).tolist()} kg m, the text has {first.tolist()}"
+        )
+
+
+def _check_limits(robot: ps.Robot, arm: Arm) -> None:
+    for k, name in enumerate(arm.own):
+        joint = arm.text.joints[name]
+        lower, upper = limit(joint, "lower"), limit(joint, "upper")
+        if joint.kind == "continuous" or lower == upper:
+            lower = upper = np.nan
+        if lower > upper:
+            raise UnsoundError(f"limits: of joint {name!r} are swapped, {lower!r} to {upper!r}")
+        _same(f"position limit of {name!r}", robot.limits.position[k], (lower, upper))
+        for key, values in (("velocity", robot.limits.velocity), ("effort", robot.limits.effort)):
+            said = limit(joint, key)
+            _same(f"{key} limit of {name!r}", values[k], said if said > 0 else np.nan)
+
+
+def _same(what: str, value: object, said: object) -> None:
+    if not np.array_equal(np.asarray(value, dtype=float), np.asarray(said, dtype=float), equal_nan=True):
+        raise UnsoundError(f"limits: {what} is {value}, the text has {said}")
+
+
+def _check_pose(robot: ps.Robot, arm: Arm, bodies: dict[str, Body], rng: np.random.Generator) -> None:
+    n = len(arm.own)
+    span = np.clip(np.nan_to_num(robot.limits.position, nan=0.0), -3, 3)
+    q = np.where(np.isnan(robot.limits.position[:, 0]), rng.uniform(-3, 3, n), rng.uniform(span[:, 0], span[:, 1]))
+    v, a = rng.normal(size=n), rng.normal(size=n)
+    links = arm.motion(q, v, a)
+    model = robot.model
+    data, place = model.createData(), robot.configurations(q[None, :])[0]
+    pin.framesForwardKinematics(model, data, place)
+    far = max(1.0, *(float(np.abs(link.place[:3, 3]).max()) for link in links.values()))
+    for link, moving in links.items():
+        T = data.oMf[model.getFrameId(link, pin.FrameType.BODY)].homogeneous
+        if not np.abs(T - moving.place).max() <= CLOSE * far:
+            raise UnsoundError(
+                f"place: of link {link!r} at q = {q.tolist()} {T.tolist()}, the text has {moving.place.tolist()}"
+            )
+    matrix, torque, size, effort = mass_matrix_and_torque(links, bodies)
+    index = [model.joints[model.getJointId(name)].idx_v for name in arm.own]
+    upper = np.triu(pin.crba(model, data, place))
+    M = (upper + np.triu(upper, 1).T)[np.ix_(index, index)]
+    if not (np.abs(M - matrix - np.diag(robot.armature)) <= CLOSE * (size + np.diag(robot.armature))).all():
+        raise UnsoundError(f"joint-space inertia: at q = {q.tolist()} {M.tolist()}, the text has {matrix.tolist()}")
+    if robot.missing_inertia:
+        return
+    scale = np.sqrt(np.diag(M))
+    if not (scale > 0).all() or not np.linalg.eigvalsh(M / np.outer(scale, scale))[0] > 0:
+        raise UnsoundError(f"joint-space inertia: not positive definite at q = {q.tolist()}")
+    tau = ps.inverse_dynamics(robot, q, v, a, friction=False)
+    if not (np.abs(tau - torque - robot.armature * a) <= CLOSE * (effort + robot.armature * np.abs(a))).all():
+        raise UnsoundError(f"torque: at q = {q.tolist()} {tau.tolist()}, the text has {torque.tolist()}")

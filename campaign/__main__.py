@@ -11,12 +11,26 @@ from pathlib import Path
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("MPLBACKEND", "Agg")
 
-from campaign import fuzz_urdf
+from campaign import fuzz_catalogue, fuzz_log, fuzz_task, fuzz_toml, fuzz_trajectory, fuzz_urdf
 from campaign.runner import Format, replay, run_cases
 from puma_septic.views.tables import text_table
 
 FORMATS = {
     "urdf": [Format("urdf", ".urdf", fuzz_urdf.make, fuzz_urdf.check)],
+    "toml": [
+        Format("actuators", ".toml", fuzz_toml.make_actuators, fuzz_toml.check_actuators),
+        Format("drives", ".toml", fuzz_toml.make_drives, fuzz_toml.check_drives),
+    ],
+    "yaml": [Format("task", ".yaml", fuzz_task.make, fuzz_task.check)],
+    "catalogue": [
+        Format(kind, ".csv", fuzz_catalogue.maker(kind), fuzz_catalogue.checker(kind))
+        for kind in ("motors", "gearboxes", "pairs")
+    ],
+    "log": [Format("log", ".csv", fuzz_log.make, fuzz_log.check)],
+    "trajectory": [
+        Format(f"plan_{suffix[1:]}", suffix, fuzz_trajectory.maker(suffix), fuzz_trajectory.check)
+        for suffix in (".yaml", ".json")
+    ],
 }
 
 

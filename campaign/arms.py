@@ -1,4 +1,4 @@
-"""Sound arms whose text is then mutated: the PUMA, arms of example-robot-data, random trees with all kinds of joints."""
+"""Sound arms whose text is then mutated: the PUMA, arms of example-robot-data, and random trees."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ from campaign.mutation import Rng
 
 PUMA: Final = Path(__file__).parents[1] / "urdf" / "puma560.urdf"
 _PUBLIC: Final = (
-    "ur_description/urdf/ur5_robot.urdf", "panda_description/urdf/panda.urdf", "kinova_description/robots/kinova.urdf",
-    "xarm_description/urdf/xarm7.urdf", "z1_description/urdf/z1.urdf", "so_arm_description/urdf/so100.urdf",
-    "double_pendulum_description/urdf/double_pendulum_continuous.urdf", "ur_description/urdf/ur3_gripper.urdf",
+    "ur_description/urdf/ur5_robot.urdf", "panda_description/urdf/panda.urdf",
+    "kinova_description/robots/kinova.urdf", "xarm_description/urdf/xarm7.urdf", "z1_description/urdf/z1.urdf",
+    "so_arm_description/urdf/so100.urdf", "double_pendulum_description/urdf/double_pendulum_continuous.urdf",
+    "ur_description/urdf/ur3_gripper.urdf",
 )  # fmt: skip
 _INERTIA: Final = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 

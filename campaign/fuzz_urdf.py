@@ -21,7 +21,8 @@ _KINDS: Final = ("revolute", "continuous", "prismatic", "fixed", "floating", "pl
 _BLANKS: Final = (" ", "  ", "\t", "\n", "\r", "\u00a0", "\u2003", "\u3000", "\x0b", "\x1f")
 _HEADS: Final = (
     '<?xml version="1.0" encoding="ISO-8859-1"?>', '<?xml version="1.0" encoding="utf-16"?>', '<?xml version="1.1"?>',
-    '<!DOCTYPE robot [<!ENTITY a "1">]>', "<!-- a comment -->", '<?xml version="1.0" encoding="klingon"?>', "\ufeff", " ",
+    '<!DOCTYPE robot [<!ENTITY a "1">]>', "<!-- a comment -->", '<?xml version="1.0" encoding="klingon"?>', "\ufeff",
+    " ",
 )  # fmt: skip
 
 
@@ -143,7 +144,8 @@ def _dressed(rng: Rng, root: ET.Element) -> None:
     names = [one.get("name", "") for one in root.iter("joint")]
     value = repr(float(10.0 ** rng.integers(-3, 3)))
     added = (
-        ("dynamics", {"damping": value, "friction": value, "rotor_inertia": value}), ("mimic", {"joint": chosen(rng, names or [""])}),
+        ("dynamics", {"damping": value, "friction": value, "rotor_inertia": value}),
+        ("mimic", {"joint": chosen(rng, names or [""])}),
         ("mimic", {"joint": chosen(rng, names or [""]), "multiplier": value, "offset": "-0.2"}),
         ("safety_controller", {"soft_lower_limit": "-1", "soft_upper_limit": value, "k_velocity": "1"}),
         ("calibration", {"rising": value}),

@@ -88,7 +88,7 @@ class Arm:
 def mass_matrix_and_torque(
     links: dict[str, Moving], bodies: dict[str, Body]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """``M`` (n, n), the torque (n,), and of both the sum of their terms' magnitudes, by which differences are judged."""
+    """``M`` (n, n), torque (n,), and the sums of the magnitudes of their terms, by which differences are judged."""
     n = next(iter(links.values())).turning.shape[1]
     matrix, torque, size, effort = np.zeros((n, n)), np.zeros(n), np.zeros((n, n)), np.zeros(n)
     far = max((np.linalg.norm(link.place[:3, 3]) for link in links.values()), default=0.0)
@@ -119,7 +119,7 @@ def turn(axis: np.ndarray, angle: float) -> np.ndarray:
 
 
 def joined(parts: list[tuple[np.ndarray, Body]]) -> tuple[float, np.ndarray, np.ndarray, float]:
-    """Mass, its first moment and the tensor about the origin of bodies at places (4, 4), and the size of what is summed."""
+    """Mass, first moment and tensor about the origin of bodies at places (4, 4), and the size of what is summed."""
     mass, first, tensor, size = 0.0, np.zeros(3), np.zeros((3, 3)), 0.0
     for place, body in parts:
         R = place[:3, :3]

@@ -13,18 +13,20 @@ NUMBER: Final = re.compile(r"(?<![\w.])[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?
 WORD: Final = re.compile(r"[A-Za-z_][A-Za-z_0-9]{2,}")
 # Numbers that parsers read differently or not at all, that overflow, vanish, or turn a sign.
 HOSTILE: Final = (
-    "nan", "inf", "-inf", ".nan", ".inf", "1e308", "-1e308", "1e309", "1e-320", "-0", "0", "0.0", "-1", "1_000", "0x10",
-    "0xff", "0o17", "1,5", "1.5.2", "1e", "--1", "+1", ".5", "5.", "1d0", "1e+2", "٣", "1 ", " 1", "1\u00a0", "½", "1/2",
-    "true", "null", "", '""', "[]", "{}", "[1, 2]", "9" * 400, "9" * 5000, "0." + "3" * 400, "1:30", "2026-01-01", "1e150",
-    "1e-150", "1e16", "1e7", "3.14159265358979323846", "-3.2", "100", "1e-9", "0xf" + "f" * 300, "\u202e1", "\x1b[2J",
+    "nan", "inf", "-inf", ".nan", ".inf", "1e308", "-1e308", "1e309", "1e-320", "-0", "0", "0.0", "-1", "1_000",
+    "0x10", "0xff", "0o17", "1,5", "1.5.2", "1e", "--1", "+1", ".5", "5.", "1d0", "1e+2", "٣", "1 ", " 1", "1\u00a0",
+    "½", "1/2", "true", "null", "", '""', "[]", "{}", "[1, 2]", "9" * 400, "9" * 5000, "0." + "3" * 400, "1:30",
+    "2026-01-01", "1e150", "1e-150", "1e16", "1e7", "3.14159265358979323846", "-3.2", "100", "1e-9",
+    "0xf" + "f" * 300, "\u202e1", "\x1b[2J",
 )  # fmt: skip
 # What a number may become and still be one, for all parsers alike.
 GENTLE: Final = ("{}", "{:+}", "{:e}", "{:.3f}", "{:.17g}", "{:g} ", " {:g}", "{:.1f}")
 NAMES: Final = (
     "", " ", "x" * 300, "=cmd|' /C calc'!A0", "＝1+1", "a$b_{$c", "$x^2$", "../../up", "a/b", "..", "nan", "universe",
-    "\x1b]0;title\x07", "\u202eevil", "\u0085", "<script>alert(1)</script>", "naïve-关节", "e\u0301", "null", "yes", "1", "-",
-    "\u2028", "a b", "a\tb", "'", '"', "%s{0}{x}", "NAME", "joint1", "x" * 5000,
+    "\x1b]0;title\x07", "\u202eevil", "\u0085", "<script>alert(1)</script>", "naïve-关节", "e\u0301", "null", "yes",
+    "1", "-", "\u2028", "a b", "a\tb", "'", '"', "%s{0}{x}", "NAME", "joint1", "x" * 5000,
 )  # fmt: skip
+_PUT_IN: Final = (b"\x00", b"\xff\xfe", b"\r", b"\t", b"\xe2\x80\xae", b"\x1b[31m", b"\xc2\x85")
 
 
 def chosen(rng: Rng, values: Sequence[str]) -> str:
@@ -40,14 +42,12 @@ def mangled_bytes(rng: Rng, data: bytes) -> bytes:
         end = min(len(data), start + int(rng.geometric(0.05)))
         patch = (
             lambda part: bytes(rng.integers(0, 256, len(part), dtype=np.uint8)),
-            lambda part: b"",
+            lambda _: b"",
             lambda part: part * int(rng.integers(2, 5)),
             lambda part: part[::-1],
             lambda part: part + chosen(rng, HOSTILE).encode("utf-8"),
             lambda part: part.swapcase(),
-            lambda part: (
-                rng.choice([b"\x00", b"\xff\xfe", b"\r", b"\t", b"\xe2\x80\xae", b"\x1b[31m", b"\xc2\x85"]) + part
-            ),
+            lambda part: _PUT_IN[int(rng.integers(len(_PUT_IN)))] + part,
         )[int(rng.integers(7))]
         data = data[:start] + patch(data[start:end]) + data[end:]
     rare = rng.random()
@@ -145,20 +145,7 @@ def _line_indented(rng: Rng, text: str) -> str:
 def _character(rng: Rng, text: str) -> str:
     k = int(rng.integers(len(text) + 1))
     signs = (
-        "'",
-        '"',
-        ":",
-        ",",
-        "=",
-        "[",
-        "]",
-        "{",
-        "}",
-        "#",
-        "&a ",
-        "*a",
-        "!!python/object:os.system ",
-        "\x1b[31m",
-        "\t",
-    )
-    return text[:k] + chosen(rng, (*signs, "\u202e", "\u0085", "\u00a0", "\x00", "é", "🤖", "\r\n", ";")) + text[k:]
+        "'", '"', ":", ",", "=", "[", "]", "{", "}", "#", "&a ", "*a", "!!python/object:os.system ", "\x1b[31m", "\t",
+        "\u202e", "\u0085", "\u00a0", "\x00", "é", "🤖", "\r\n", ";",
+    )  # fmt: skip
+    return text[:k] + chosen(rng, signs) + text[k:]

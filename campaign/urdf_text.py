@@ -1,4 +1,4 @@
-"""A URDF read a second time, by other means: ElementTree and a grammar of numbers; nothing of the loader is used here."""
+"""A URDF read a second time, by other means: ElementTree and a grammar of numbers; nothing of the loader is used."""
 
 from __future__ import annotations
 

@@ -75,10 +75,10 @@ def changed_number(rng: Rng, text: str) -> str:
 
 
 def mutated_text(rng: Rng, text: str, extra: Sequence[Callable[[Rng, str], str]] = ()) -> str:
-    """One to four changes of a text; `extra` are those that know its format."""
+    """One to three changes of a text; `extra` are those that know its format."""
     common = (_number, _number, _number, _word, _line_out, _line_doubled, _lines_swapped, _line_indented, _character)
-    for _ in range(int(rng.integers(1, 5))):
-        steps = (*common, *extra, *extra)
+    for _ in range(int(rng.integers(1, 4))):
+        steps = (*common, *extra)
         text = steps[int(rng.integers(len(steps)))](rng, text)
     return text
 

@@ -23,7 +23,7 @@ import numpy as np
 from campaign.mutation import Rng
 from campaign.rules import MAX_BYTES, MAX_SECONDS, Verdict, verdict_of
 
-RESULTS: Final = Path("campaign-results")
+RESULTS: Final = Path("campaign-results").absolute()
 # A process that has said nothing for so long waits for ever; one that takes so much is stopped before the machine is.
 HANGS_AFTER, ADDRESS_SPACE = 60.0, 6_000_000_000
 CHUNK: Final = 500  # cases to a process

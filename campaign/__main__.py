@@ -1,7 +1,7 @@
 """Try to break the package, part by part: ``python -m campaign``.
 
-Every part is seeded. Inputs that offend are kept, made smaller, in ``campaign-results``, and judged again by ``--replay``.
-Exit code: 0 nothing found, 1 something found.
+Every part is seeded. Inputs that offend are kept, made smaller, in ``campaign-results``; ``--replay`` judges them
+again. Exit code: 0 nothing found, 1 something found.
 """
 
 from __future__ import annotations
@@ -106,9 +106,7 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("parts", nargs="*", metavar="PART", help=f"all by default: {', '.join(PARTS)}")
     parser.add_argument("--seed", type=int, default=560, help="of all that is random (default: 560)")
     parser.add_argument("--cases", type=int, metavar="N", help="so many of each part, instead of its own number")
-    parser.add_argument(
-        "--first", type=int, default=0, metavar="K", help="the file to begin with, to go on with a part"
-    )
+    parser.add_argument("--first", type=int, default=0, metavar="K", help="the file to begin with")
     parser.add_argument("--short", action="store_true", help="a small number of each, in less than a minute")
     parser.add_argument("--replay", nargs="+", type=Path, default=[], metavar="FILE", help="judge kept files again")
     given = parser.parse_args(argv)

@@ -349,3 +349,15 @@ def test_what_is_kept_cannot_be_written_to() -> None:
     for array in (move.extrema(0).max, move.extrema(2).t_min, move.jumps(3).times, move.jumps(3).sizes):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1.0
+
+
+def test_the_first_step_counts_whichever_way_it_goes() -> None:
+    """Straight down from rest: the velocity steps at once, downwards, and back up at the end."""
+    move = ps.profiles.linear([[1.0], [0.0]], [2.0, 5.0])
+    assert move.unbounded(2).tolist() == [2.0]
+
+
+def test_of_many_points_a_picture_marks_both_ends() -> None:
+    points = np.linspace(0.0, 1.0, 101)[:, None]
+    times, marked = ps.profiles.linear(points, np.arange(101.0)).marked
+    assert (times.tolist(), marked.ravel().tolist()) == ([0.0, 100.0], [0.0, 1.0])

@@ -11,7 +11,8 @@ from numpy.polynomial import Polynomial, chebyshev
 from numpy.typing import NDArray
 
 import puma_septic as ps
-from puma_septic.piecewise import Piecewise, matrices
+from puma_septic.piecewise import Piecewise, matrices, sampled
+from puma_septic.piecewise._search import _hidden
 
 Array = NDArray[np.float64]
 
@@ -682,3 +683,25 @@ def test_the_tail_of_a_series_is_its_last_eighth_and_at_least_two() -> None:
     series[15:] = 0.0
     assert matrices.tail(series).tolist() == [0.0, 0.0]
     assert matrices.tail(np.array([[3.0], [2.0], [1.0]])).tolist() == [2.0]
+
+
+def test_samples_for_drawing_are_shared_by_the_intervals_lengths() -> None:
+    """Of 400 samples a quarter of the span has 100, and a sliver of it the least."""
+    f = Piecewise(breaks=[0.0, 1.0, 3.996, 4.0], coefficients=np.zeros((2, 3, 1)))
+    t, values = sampled(f, samples=400, least=16)
+    assert (np.count_nonzero(t < 0.9999), np.count_nonzero(t > 3.9961)) == (99, 15)
+    assert len(t) == len(values) == 100 + 300 + 16
+
+
+@pytest.mark.parametrize("n", [2, 8, 20])
+def test_what_a_cell_may_hide_is_bounded_and_hardly_more(n: int) -> None:
+    """In a cell of width h, cos(n theta) rises ``1 - cos(n h / 2)`` above both ends: n^2 h^2 / 8, but for h^4."""
+    grid = n * 41 // 2 + 1  # 20 and a half cells to each half wave: a crest lies in the middle of one
+    theta = np.pi * np.arange(grid) / (grid - 1)
+    series = np.zeros((n + 1, 1))
+    series[n] = 1.0
+    crest = np.abs(np.cos(n * (theta[:-1] + theta[1:]) / 2))
+    ends = np.abs(np.cos(n * theta))
+    rise = (crest - np.maximum(ends[:-1], ends[1:])).max()
+    hidden = float(_hidden(series, grid)[0])
+    assert rise <= hidden <= 1.01 * rise

@@ -20,7 +20,7 @@ from puma_septic.errors import InputError, ModelError
 from puma_septic.friction import friction_terms, loss
 from puma_septic.kinematics import checked_joint_values, forward_kinematics, jacobian
 from puma_septic.robot import Robot, Wrench
-from puma_septic.validation import Array
+from puma_septic.validation import Array, n_dimensions
 
 __all__ = [
     "TERMS",
@@ -382,7 +382,7 @@ def _samples(robot: Robot, *values: ArrayLike, names: Sequence[str] = ("q", "v",
     if len({np.shape(value) for value in values}) != 1:
         from_shapes = ", ".join(str(np.shape(value)) for value in values)
         raise InputError(f"{', '.join(names[:-1])} and {names[-1]} must have one shape, got {from_shapes}")
-    return np.ndim(q) == 1, arrays
+    return n_dimensions(q) == 1, arrays
 
 
 def _friction(robot: Robot, v: Array, a: Array, rigid: Array) -> dict[str, Array]:

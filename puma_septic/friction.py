@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from puma_septic.document import card, known, one_line
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
-from puma_septic.validation import Array, checked_array, checked_number, frozen
+from puma_septic.validation import Array, checked_array, frozen, store_numbers
 
 __all__ = [
     "FRICTION_TERMS",
@@ -99,19 +99,13 @@ class Friction:
     load_share: float = np.nan
 
     def __post_init__(self) -> None:
-        self._check("viscous", unit="N m s/rad", at_least=0.0)
-        self._check("stribeck_velocity", unit="rad/s", above=0.0)
-        self._check("load_share", at_least=0.0, at_most=1.0)
+        store_numbers(self, {"viscous": "N m s/rad"}, at_least=0.0)
+        store_numbers(self, {"stribeck_velocity": "rad/s"}, above=0.0)
+        store_numbers(self, {"load_share": ""}, at_least=0.0, at_most=1.0)
         for name in ("coulomb", "static"):
             object.__setattr__(self, name, checked_levels(name, getattr(self, name)))
         if np.isfinite(self.static).any():
             self._check_static()
-
-    def _check(self, name: str, *, unit: str = "", **bounds: float) -> None:
-        """Hold a number to its bounds, unless it is NaN, and store it as a float."""
-        value = getattr(self, name)
-        if not (isinstance(value, (float, np.floating)) and np.isnan(value)):
-            object.__setattr__(self, name, checked_number(name, value, unit=unit, **bounds))
 
     def _check_static(self) -> None:
         if not (np.abs(self.static) >= np.abs(self.coulomb)).all():
@@ -188,7 +182,7 @@ class Friction:
         -------
         ndarray
         """
-        v, way = np.asarray(velocity, dtype=np.float64), np.asarray(moving, dtype=np.float64)
+        v, way = checked_array("velocity", velocity, None), checked_array("moving", moving, None)
         terms = friction_terms((self,), v[..., None], way[..., None])
         return np.asarray(sum(terms.values())[..., 0])  # type: ignore[index]
 

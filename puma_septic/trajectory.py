@@ -15,7 +15,7 @@ from puma_septic.piecewise import Extrema, Jumps, Piecewise
 from puma_septic.piecewise.directions import STILL, find_directions
 from puma_septic.piecewise.matrices import end_derivatives
 from puma_septic.quantities import MOTION
-from puma_septic.validation import Array, checked_array, checked_times, frozen, read_only
+from puma_septic.validation import Array, checked_array, checked_times, frozen, n_dimensions, read_only
 
 __all__ = ["Trajectory"]
 
@@ -36,7 +36,7 @@ _RESAMPLED = 8 * np.finfo(np.float64).eps
 def _per_joint_resolution(value: ArrayLike | float, n: int) -> Array:
     if isinstance(value, float) and value == 0.0:  # of every planned motion
         return read_only(np.zeros(n))
-    resolution = checked_array("resolution", value, () if np.ndim(value) == 0 else (n,))
+    resolution = checked_array("resolution", value, () if n_dimensions(value) == 0 else (n,))
     if not (resolution >= 0).all():
         raise InputError(f"resolution = {resolution.min():g}: must be at least 0")
     return read_only(np.zeros(n) + resolution)

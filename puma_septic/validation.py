@@ -21,7 +21,10 @@ __all__ = [
     "checked_times",
     "freeze_fields",
     "frozen",
+    "n_dimensions",
+    "numbers",
     "read_only",
+    "store_numbers",
 ]
 
 Array = NDArray[np.float64]
@@ -88,7 +91,7 @@ def freeze_fields(value: Any) -> None:
 
 
 def checked_array(
-    name: str, value: ArrayLike, shape: Sequence[int | None], *, unit: str = "", allow_nan: bool = False
+    name: str, value: ArrayLike, shape: Sequence[int | None] | None, *, unit: str = "", allow_nan: bool = False
 ) -> Array:
     """Return `value` as a read-only float64 copy of the given shape.
 
@@ -96,8 +99,8 @@ def checked_array(
     ----------
     name : str
         How the message calls the argument.
-    shape : sequence of int or None
-        Expected shape; None leaves a length free.
+    shape : sequence of int or None, or None
+        Expected shape; None leaves a length free, or all of it.
     unit : str
         Unit named in the message.
     allow_nan : bool
@@ -108,18 +111,8 @@ def checked_array(
     InputError
         With name, offending index and value, and what would be valid.
     """
-    try:
-        given = np.asarray(value)
-        # NumPy would take "1", True and the real part of 1 + 2j for numbers.
-        if given.dtype.kind not in "iufO" or (given.dtype.kind == "O" and _holds_text_or_truth(given)):
-            raise TypeError(f"not numbers: {given.dtype}")
-        array = read_only(given)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{name}: expected numbers of shape {_describe(shape)}, got {reprlib.repr(value)}") from error
-    fits = array.ndim == len(shape) and all(
-        want is None or have == want for have, want in zip(array.shape, shape, strict=True)
-    )
-    if not fits:
+    array = read_only(numbers(name, value, shape))
+    if shape is not None and not _fits(array.shape, shape):
         raise InputError(f"{name}: shape {array.shape} is not {_describe(shape)}")
     valid = ~np.isinf(array) if allow_nan else np.isfinite(array)
     if np.count_nonzero(valid) < valid.size:
@@ -128,6 +121,62 @@ def checked_array(
         suffix = f" {unit}" if unit else ""
         raise InputError(f"{name}{where} = {float(array[index])}{suffix} is not a finite number")
     return array
+
+
+def numbers(name: str, value: ArrayLike, shape: Sequence[int | None] | None = None) -> Array:
+    """Return `value` as float64, itself where it is that already; it need not be finite.
+
+    NumPy would take "1", True, the real part of 1 + 2j and what is behind a mask for numbers, and raise errors of its
+    own for rows of different lengths.
+
+    Parameters
+    ----------
+    name : str
+        How the message calls the argument.
+    shape : sequence of int or None, or None
+        For the message.
+
+    Raises
+    ------
+    InputError
+        For what is no array of numbers, or one of which some are masked.
+    """
+    if type(value) is np.ndarray and value.dtype == np.float64:
+        return value
+    if _is_masked(value):
+        raise InputError(f"{name}: some of its numbers are masked; leave them out, or fill them")
+    try:
+        given = np.asarray(value)
+        if value is None or given.dtype.kind not in "iufO" or (given.dtype.kind == "O" and _holds_text_or_truth(given)):
+            raise TypeError(f"not numbers: {given.dtype}")
+        return np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        wanted = "numbers" if shape is None else f"numbers of shape {_describe(shape)}"
+        raise InputError(f"{name}: expected {wanted}, got {reprlib.repr(value)}") from error
+
+
+def n_dimensions(value: ArrayLike | None) -> int:
+    """0 of a number, 1 of a list of them, and so on; -1 of what is no array of numbers, as rows of different lengths.
+
+    Examples
+    --------
+    >>> n_dimensions(1.0), n_dimensions([1.0]), n_dimensions([[1.0], [1.0, 2.0]])
+    (0, 1, -1)
+    """
+    if _is_masked(value):
+        return -1
+    try:
+        return int(np.ndim(value))  # type: ignore[arg-type]
+    except ValueError:
+        return -1
+
+
+def store_numbers(value: object, units: Mapping[str, str], **bounds: float) -> None:
+    """Hold every field of a new value that `units` names to the bounds, unless it is NaN, and store it as a float."""
+    for name, unit in units.items():
+        given = getattr(value, name)
+        if not (isinstance(given, (float, np.floating)) and np.isnan(given)):
+            object.__setattr__(value, name, checked_number(name, given, unit=unit, **bounds))
 
 
 def checked_number(
@@ -142,7 +191,7 @@ def checked_number(
     """Return `value` as a finite float within the given bounds (`above` is exclusive)."""
     suffix = f" {unit}" if unit else ""
     if isinstance(value, (bool, np.bool_, str)) or value is None:
-        raise InputError(f"{name}: expected a number{suffix and ' in' + suffix}, got {value!r}")
+        raise InputError(f"{name}: expected a number{suffix and ' in' + suffix}, got {reprlib.repr(value)}")
     number = float(checked_array(name, value, (), unit=unit))  # type: ignore[arg-type]
     if above is not None and not number > above:
         raise InputError(f"{name} = {number:g}{suffix} must be greater than {above:g}{suffix}")
@@ -176,6 +225,17 @@ def checked_choice(name: str, value: str, valid: Iterable[str]) -> str:
 
 def _holds_text_or_truth(array: NDArray[np.object_]) -> bool:
     return any(isinstance(item, (str, bytes, bool, np.bool_)) for item in array.flat)
+
+
+def _is_masked(value: object) -> bool:
+    if isinstance(value, (list, tuple)):
+        return any(map(_is_masked, value))
+    return isinstance(value, np.ma.MaskedArray) and bool(np.ma.is_masked(value))
+
+
+def _fits(shape: Sequence[int], wanted: Sequence[int | None]) -> bool:
+    pairs = zip(shape, wanted, strict=False)
+    return len(shape) == len(wanted) and all(want is None or have == want for have, want in pairs)
 
 
 def _describe(shape: Sequence[int | None]) -> str:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import datetime
+from collections.abc import Callable
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -127,3 +130,91 @@ def test_a_choice_lists_what_is_valid() -> None:
     assert checked_choice("profile", "lspb", ["septic", "lspb"]) == "lspb"
     with pytest.raises(ps.InputError, match=r"^unknown profile 'spline'; valid: 'septic', 'lspb'$"):
         checked_choice("profile", "spline", ["septic", "lspb"])
+
+
+# ---- what NumPy would take for numbers
+
+NO_NUMBERS = {
+    "text": ["0.5", "1"],
+    "bytes": [b"1"],
+    "complex": [1 + 2j],
+    "truth": [True, False],
+    "dates": [np.datetime64("2020-01-01")],
+    "spans of time": [datetime.timedelta(1)],
+    "nothing": [None],
+    "rows of different lengths": [[0.0], [0.0, 1.0]],
+    "huge integers": [10**400],
+    "a mapping": {"a": 1.0},
+    "masked": np.ma.array([0.0, 1.0], mask=[True, False]),
+    "a list with a masked one": [np.ma.masked, 1.0],
+    "a list of masked rows": [np.ma.array([0.0], mask=[True]), np.ma.array([1.0])],
+}
+PUMA = ps.load_robot()
+REST = [[0.0] * 6, [0.0] * 6]
+MOVE = ps.quintic_segments([[0.0], [1.0]], [0.0, 2.0])
+TAKES_AN_ARRAY: dict[str, Callable[[Any], Any]] = {
+    "trajectory at times": MOVE,
+    "function at times": MOVE.position,
+    "from_power": lambda x: ps.Piecewise.from_power([0.0, 1.0], x),
+    "breaks": lambda x: ps.Piecewise.from_power(x, [[[1.0]]]),
+    "points": lambda x: ps.quintic_segments(x, [0.0, 1.0]),
+    "times": lambda x: ps.quintic_segments(REST, x),
+    "durations": lambda x: ps.lspb(REST, durations=x, blend_time=0.1),
+    "start_velocity": lambda x: ps.profiles.cubic_spline(REST, [0.0, 1.0], start_velocity=x),
+    "max_velocity": lambda x: ps.profiles.double_s(REST, max_velocity=x, max_acceleration=1.0, max_jerk=1.0),
+    "q": lambda x: ps.inverse_dynamics(PUMA, x, REST, REST),
+    "v": lambda x: ps.inverse_dynamics(PUMA, REST, x, REST),
+    "a": lambda x: ps.torque_terms(PUMA, REST, REST, x),
+    "forward_kinematics": lambda x: ps.forward_kinematics(PUMA, x),
+    "jacobian": lambda x: ps.jacobian(PUMA, x),
+    "pose": lambda x: ps.inverse_kinematics(PUMA, x),
+    "limits": lambda x: PUMA.with_limits(velocity=x),
+    "com": lambda x: ps.Payload(1.0, com=x),
+    "wrench": lambda x: ps.Wrench(force=x),
+    "friction": lambda x: ps.Friction(coulomb=x),
+    "friction's torque": lambda x: ps.Friction(viscous=1.0, coulomb=[0.0, 0.0]).torque(x, 0.0),
+    "gravity": lambda x: ps.load_robot(gravity=x),
+    "peak_curve": lambda x: ps.Motor(peak_curve=x),
+    "conditions": lambda x: ps.sizing.Conditions(ambient_celsius=x),
+    "bandwidth": lambda x: ps.Controller(law="pd", bandwidth=x),
+    "sweep": lambda x: ps.duration_sweep(ps.compute_motion(PUMA, ps.quintic_segments(REST, [0.0, 1.0])), x),
+}
+
+
+@pytest.mark.parametrize("kind", NO_NUMBERS)
+@pytest.mark.parametrize("name", TAKES_AN_ARRAY)
+def test_what_is_no_array_of_numbers_is_refused_everywhere(name: str, kind: str) -> None:
+    """Times "0.5" and b"1" were taken, of 1 + 2j the real part, of a masked array what is behind the mask.
+
+    Rows of different lengths, text in limits and huge integers were NumPy's own errors.
+    """
+    if kind == "nothing" and name in ("conditions", "limits"):
+        pytest.skip("None is unknown there")
+    with pytest.raises(ps.InputError):
+        TAKES_AN_ARRAY[name](NO_NUMBERS[kind])
+
+
+@pytest.mark.parametrize("value", [1 + 2j, "0.5", b"1", True, None, datetime.timedelta(1), np.ma.masked], ids=repr)
+def test_a_time_is_a_number(value: Any) -> None:
+    with pytest.raises(ps.InputError, match=r"t: (expected numbers|some of its numbers are masked)"):
+        MOVE(value)
+
+
+def test_a_mask_that_hides_nothing_is_no_matter() -> None:
+    points = np.ma.array([[0.0], [1.0]], mask=np.zeros((2, 1)))
+    assert ps.quintic_segments(points, [0.0, 1.0]).points.tolist() == [[0.0], [1.0]]
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        (lambda t: np.ones((len(t), 1)) * 1j, "expected numbers, got array"),
+        (lambda t: [["1"]] * len(t), "expected numbers, got"),
+        (lambda _: [[1.0], [2.0, 3.0]], "expected numbers, got"),
+        (lambda _: None, "expected numbers, got None"),
+        (lambda _: [[1.0]], r"has shape \(1, 1\) at \d+ times"),
+    ],
+)  # fmt: skip
+def test_a_function_to_be_fitted_returns_numbers(values: Callable[[Any], Any], message: str) -> None:
+    with pytest.raises(ps.InputError, match=f"the function to be fitted:? {message}"):
+        ps.Piecewise.fit(values, [0.0, 1.0])

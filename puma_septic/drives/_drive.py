@@ -8,7 +8,8 @@ from typing import final
 import numpy as np
 
 from puma_septic.document import card, known, one_line
-from puma_septic.drives._part_checks import NOT_NEGATIVE, POSITIVE, check_texts, check_values
+from puma_septic.drives._part_checks import NOT_NEGATIVE, POSITIVE, check_texts
+from puma_septic.validation import store_numbers
 
 __all__ = ["Drive"]
 
@@ -59,8 +60,8 @@ class Drive:
             "bus_voltage": "V", "continuous_current": "A", "peak_current": "A", "continuous_power": "W",
             "peak_power": "W", "peak_regenerated_power": "W", "brake_resistor_power": "W",
         }  # fmt: skip
-        check_values(self, positive, POSITIVE)
-        check_values(self, {"storable_energy": "J", "mass": "kg", "cost": ""}, NOT_NEGATIVE)
+        store_numbers(self, positive, **POSITIVE)
+        store_numbers(self, {"storable_energy": "J", "mass": "kg", "cost": ""}, **NOT_NEGATIVE)
 
     def __repr__(self) -> str:
         return one_line("Drive", self._facts())

@@ -15,7 +15,7 @@ from puma_septic.drives._part_checks import ABSOLUTE_ZERO_CELSIUS
 from puma_septic.drives._stage import LinearStage
 from puma_septic.errors import InputError
 from puma_septic.friction import Friction
-from puma_septic.validation import Array, checked_number, frozen
+from puma_septic.validation import Array, checked_number, frozen, store_numbers
 
 __all__ = ["Drivetrain"]
 
@@ -100,19 +100,18 @@ class Drivetrain:
     max_inertia_ratio: float = np.nan
 
     def __post_init__(self) -> None:
-        checked_number("ambient_celsius", self.ambient_celsius, unit="degrees Celsius", above=ABSOLUTE_ZERO_CELSIUS)
-        checked_number("altitude", self.altitude, unit="m")
+        around = {"ambient_celsius": "degrees Celsius", "altitude": "m"}
+        for name, least in (("ambient_celsius", ABSOLUTE_ZERO_CELSIUS), ("altitude", None)):
+            given = checked_number(name, getattr(self, name), unit=around[name], above=least)
+            object.__setattr__(self, name, given)
         if not isinstance(self.with_brake, bool):
             raise InputError(f"with_brake = {self.with_brake!r}: expected True or False")
-        if not np.isnan(self.armature):
-            checked_number("armature", self.armature, unit="kg m^2", at_least=0.0)
+        store_numbers(self, {"armature": "kg m^2"}, at_least=0.0)
         positive = {
             "max_effort": "N m", "momentary_torque": "N m", "emergency_stops": "", "emergency_duration": "s",
             "required_life_hours": "h", "max_inertia_ratio": "",
         }  # fmt: skip
-        for name, unit in positive.items():
-            if not np.isnan(getattr(self, name)):
-                checked_number(name, getattr(self, name), unit=unit, above=0.0)
+        store_numbers(self, positive, above=0.0)
         if self.measured_friction is not None:
             self._refuse_double_losses()
 

@@ -14,13 +14,12 @@ from puma_septic.drives._part_checks import (
     POSITIVE,
     SHARE,
     check_texts,
-    check_values,
     checked_impacts,
     checked_map,
     no_curve,
 )
 from puma_septic.errors import InputError
-from puma_septic.validation import Array, checked_array, checked_choice, checked_number
+from puma_septic.validation import Array, checked_array, checked_choice, checked_number, store_numbers
 
 __all__ = ["GEARBOX_UNITS", "KINDS", "LIFE_BASES", "Gearbox"]
 
@@ -153,14 +152,14 @@ class Gearbox:
         check_texts(self)
         for name, valid in (("kind", KINDS), ("life_basis", LIFE_BASES)):
             checked_choice(name, getattr(self, name), valid)
-        check_values(self, {"ratio": ""}, {})
+        store_numbers(self, {"ratio": ""})
         if self.ratio == 0:
             raise InputError("gear ratio = 0: the ratio of motor speed to joint speed cannot be zero")
-        check_values(self, _POSITIVE_UNITS, POSITIVE)
-        check_values(self, _NOT_NEGATIVE_UNITS, NOT_NEGATIVE)
-        check_values(self, {"efficiency": ""}, SHARE)
-        check_values(self, {"backward_efficiency": ""}, BACKWARD_SHARE)
-        checked_number("bearing_offset", self.bearing_offset, unit="m")
+        store_numbers(self, _POSITIVE_UNITS, **POSITIVE)
+        store_numbers(self, _NOT_NEGATIVE_UNITS, **NOT_NEGATIVE)
+        store_numbers(self, {"efficiency": ""}, **SHARE)
+        store_numbers(self, {"backward_efficiency": ""}, **BACKWARD_SHARE)
+        object.__setattr__(self, "bearing_offset", checked_number("bearing_offset", self.bearing_offset, unit="m"))
         self._check_stiffness()
         object.__setattr__(self, "impact_curve", checked_impacts(self.impact_curve))
         self._check_losses()

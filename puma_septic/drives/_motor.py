@@ -14,13 +14,12 @@ from puma_septic.drives._part_checks import (
     POSITIVE,
     SHARE,
     check_texts,
-    check_values,
     checked_curve,
     checked_shares,
     no_curve,
 )
 from puma_septic.errors import InputError
-from puma_septic.validation import Array, checked_array, checked_choice, checked_number
+from puma_septic.validation import Array, checked_array, checked_choice, checked_number, store_numbers
 
 __all__ = ["CURRENTS", "MOTOR_UNITS", "VOLTAGES", "WINDINGS", "Motor"]
 
@@ -196,12 +195,13 @@ class Motor:
         check_texts(self)
         for name, valid in (("current", CURRENTS), ("winding", WINDINGS), ("voltage", VOLTAGES)):
             checked_choice(name, getattr(self, name), valid)
-        check_values(self, _POSITIVE_UNITS, POSITIVE)
-        check_values(self, _NOT_NEGATIVE_UNITS, NOT_NEGATIVE)
-        check_values(self, {"geared_share": ""}, SHARE)
+        store_numbers(self, _POSITIVE_UNITS, **POSITIVE)
+        store_numbers(self, _NOT_NEGATIVE_UNITS, **NOT_NEGATIVE)
+        store_numbers(self, {"geared_share": ""}, **SHARE)
         for name in ("max_winding_celsius", "reference_celsius", "rated_ambient_celsius"):
-            check_values(self, {name: "degrees Celsius"}, {"above": ABSOLUTE_ZERO_CELSIUS})
-        checked_number("copper_coefficient", self.copper_coefficient, unit="1/K", at_least=0.0)
+            store_numbers(self, {name: "degrees Celsius"}, above=ABSOLUTE_ZERO_CELSIUS)
+        warmer = checked_number("copper_coefficient", self.copper_coefficient, unit="1/K", at_least=0.0)
+        object.__setattr__(self, "copper_coefficient", warmer)
         self._check_curves()
         self._check_thermal()
 

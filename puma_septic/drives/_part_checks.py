@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import reprlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from puma_septic.errors import InputError
-from puma_septic.validation import Array, checked_array, checked_number
+from puma_septic.validation import Array, checked_array
 
 __all__ = [
     "ABSOLUTE_ZERO_CELSIUS",
@@ -19,7 +19,6 @@ __all__ = [
     "POSITIVE",
     "SHARE",
     "check_texts",
-    "check_values",
     "checked_curve",
     "checked_impacts",
     "checked_map",
@@ -33,14 +32,6 @@ POSITIVE: Final = {"above": 0.0}
 NOT_NEGATIVE: Final = {"at_least": 0.0}
 SHARE: Final = {"above": 0.0, "at_most": 1.0}
 BACKWARD_SHARE: Final = {"at_least": 0.0, "at_most": 1.0}
-
-
-def check_values(part: object, units: Mapping[str, str], bounds: Mapping[str, float]) -> None:
-    """Hold every field named in `units` to the bounds, unless it is unknown, and store it as a float."""
-    for name, unit in units.items():
-        value = getattr(part, name)
-        if not (isinstance(value, (float, np.floating)) and np.isnan(value)):
-            object.__setattr__(part, name, checked_number(name, value, unit=unit, **bounds))
 
 
 def check_texts(part: object) -> None:

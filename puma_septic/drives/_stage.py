@@ -15,9 +15,8 @@ from puma_septic.drives._part_checks import (
     POSITIVE,
     SHARE,
     check_texts,
-    check_values,
 )
-from puma_septic.validation import Array, checked_choice, checked_number, frozen
+from puma_septic.validation import Array, checked_choice, checked_number, frozen, store_numbers
 
 __all__ = ["LinearStage"]
 
@@ -81,10 +80,10 @@ class LinearStage:
         checked_choice("kind", self.kind, _KINDS)
         travel = checked_number("travel_per_turn", self.travel_per_turn, unit="m", above=0.0)
         object.__setattr__(self, "travel_per_turn", travel)
-        check_values(self, {"max_force": "N", "max_speed": "rad/s"}, POSITIVE)
-        check_values(self, {"inertia": "kg m^2", "friction_force": "N", "mass": "kg", "cost": ""}, NOT_NEGATIVE)
-        check_values(self, {"efficiency": ""}, SHARE)
-        check_values(self, {"backward_efficiency": ""}, BACKWARD_SHARE)
+        store_numbers(self, {"max_force": "N", "max_speed": "rad/s"}, **POSITIVE)
+        store_numbers(self, {"inertia": "kg m^2", "friction_force": "N", "mass": "kg", "cost": ""}, **NOT_NEGATIVE)
+        store_numbers(self, {"efficiency": ""}, **SHARE)
+        store_numbers(self, {"backward_efficiency": ""}, **BACKWARD_SHARE)
 
     @property
     def reduction(self) -> float:

@@ -8,7 +8,8 @@ from typing import final
 import numpy as np
 
 from puma_septic.document import card, known, one_line
-from puma_septic.drives._part_checks import NOT_NEGATIVE, POSITIVE, check_texts, check_values
+from puma_septic.drives._part_checks import NOT_NEGATIVE, POSITIVE, check_texts
+from puma_septic.validation import store_numbers
 
 __all__ = ["Supply"]
 
@@ -63,8 +64,8 @@ class Supply:
             "bus_voltage": "V", "peak_power": "W", "continuous_power": "W", "max_current": "A",
             "brake_resistor_power": "W", "peak_brake_power": "W",
         }  # fmt: skip
-        check_values(self, positive, POSITIVE)
-        check_values(self, {"storable_energy": "J", "standby_power": "W", "mass": "kg", "cost": ""}, NOT_NEGATIVE)
+        store_numbers(self, positive, **POSITIVE)
+        store_numbers(self, {"storable_energy": "J", "standby_power": "W", "mass": "kg", "cost": ""}, **NOT_NEGATIVE)
 
     def __repr__(self) -> str:
         return one_line("Supply", self._facts())

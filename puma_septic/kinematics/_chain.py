@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from puma_septic.errors import InputError, ModelError
 from puma_septic.robot import Robot
-from puma_septic.validation import Array, checked_array, checked_choice, read_only
+from puma_septic.validation import Array, checked_array, checked_choice, n_dimensions, numbers, read_only
 
 __all__ = ["Chain", "chain_to", "checked_joint_values", "cross", "end_frame", "frames"]
 
@@ -161,15 +161,15 @@ def cross(a: Array, b: Array) -> Array:
 
 def checked_joint_values(robot: Robot, name: str, values: ArrayLike) -> Array:
     """Return joint values as (n, n_joints) from one configuration or many; a message names the joint."""
-    one = np.ndim(values) == 1
+    one = n_dimensions(values) == 1
     try:
         array = checked_array(name, values, (robot.n_joints,) if one else (None, robot.n_joints))
     except InputError as error:
-        numbers = np.asarray(values)
-        if numbers.ndim in (1, 2) and numbers.shape[-1] == robot.n_joints and numbers.dtype.kind in "fiu":
-            bad = tuple(np.argwhere(~np.isfinite(numbers))[0])
+        given = numbers(name, values)
+        if given.ndim in (1, 2) and given.shape[-1] == robot.n_joints and not np.isfinite(given).all():
+            bad = tuple(np.argwhere(~np.isfinite(given))[0])
             joint, index = robot.joint_names[bad[-1]], ", ".join(map(str, bad))
-            raise InputError(f"joint {joint!r}: {name}[{index}] = {numbers[bad]} is not a finite number") from error
+            raise InputError(f"joint {joint!r}: {name}[{index}] = {given[bad]} is not a finite number") from error
         joints = ", ".join(robot.joint_names)
         raise InputError(f"{error}: expected one number per joint ({joints}), or rows of them") from error
     return array[None] if one else array

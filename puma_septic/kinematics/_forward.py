@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from puma_septic.errors import InputError
 from puma_septic.kinematics._chain import chain_to, checked_joint_values, cross, end_frame, frames
 from puma_septic.robot import Robot
-from puma_septic.validation import Array, read_only
+from puma_septic.validation import Array, n_dimensions, read_only
 
 __all__ = [
     "LowestPoints",
@@ -159,7 +159,7 @@ def forward_kinematics(robot: Robot, q: ArrayLike, *, frame: str | None = None) 
     pose = np.zeros((len(values), 4, 4))
     pose[:, :3] = columns.transpose(2, 1, 0)
     pose[:, 3, 3] = 1.0
-    return pose if np.ndim(q) == 2 else pose[0]
+    return pose if n_dimensions(q) == 2 else pose[0]
 
 
 def jacobian(robot: Robot, q: ArrayLike) -> Array:
@@ -194,7 +194,7 @@ def jacobian(robot: Robot, q: ArrayLike) -> Array:
     """
     values = checked_joint_values(robot, "q", q)
     columns = jacobian_columns(robot, values.T)
-    return columns if np.ndim(q) == 2 else columns[0]
+    return columns if n_dimensions(q) == 2 else columns[0]
 
 
 def jacobian_columns(robot: Robot, q: Array) -> Array:
@@ -263,7 +263,7 @@ def tool_motion(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> ToolM
     if not np.shape(q) == np.shape(v) == np.shape(a):
         raise InputError(f"q, v, a: shapes {np.shape(q)}, {np.shape(v)}, {np.shape(a)} differ")
     position, linear, angular = tool_derivatives(robot, values[0], values[1:])
-    moved = [x.T if np.ndim(q) == 2 else x[:, 0] for x in (position, *linear, *angular)]
+    moved = [x.T if n_dimensions(q) == 2 else x[:, 0] for x in (position, *linear, *angular)]
     return ToolMotion(
         position=moved[0],
         velocity=moved[1],

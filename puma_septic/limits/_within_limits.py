@@ -12,7 +12,7 @@ from puma_septic.limits._stretching import stretched
 from puma_septic.piecewise import Piecewise
 from puma_septic.profiles import double_s, make
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array
+from puma_septic.validation import Array, checked_array, n_dimensions
 
 __all__ = ["within_limits"]
 
@@ -92,7 +92,7 @@ def _limits(family: str, given: dict[str, ArrayLike | None], n: int) -> Array:
     """Limits by order, shape (3, n_joints); infinite where none is given."""
     rows = []
     for (name, value), unit in zip(given.items(), _UNITS, strict=True):
-        shape = () if value is None or np.ndim(value) == 0 else (n,)
+        shape = () if value is None or n_dimensions(value) == 0 else (n,)
         limit = checked_array(name, np.float64(1) if value is None else value, shape, unit=unit)
         if not (limit > 0).all():
             raise InputError(f"{name} = {limit.min():g} {unit}: must be positive")

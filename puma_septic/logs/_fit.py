@@ -35,7 +35,7 @@ from puma_septic.logs._spread import Spread, noise_doubts, sample_doubts, sample
 from puma_septic.logs._suspicions import suspicions
 from puma_septic.profiles import quintic
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, checked_choice, checked_times
+from puma_septic.validation import Array, checked_array, checked_choice, checked_times, n_dimensions
 
 __all__ = ["FitResidual", "LogFit", "fit_log", "fit_residual", "fit_samples", "fit_trajectory"]
 
@@ -318,7 +318,7 @@ def _steps_of_velocity(spread: Spread, labels: Sequence[str]) -> list[str]:
 
 def _per_joint(name: str, value: ArrayLike, n: int) -> Array:
     """A value for each joint; one holds for all."""
-    return np.broadcast_to(checked_array(name, value, () if np.ndim(value) == 0 else (n,)), (n,))
+    return np.broadcast_to(checked_array(name, value, () if n_dimensions(value) == 0 else (n,)), (n,))
 
 
 def _resolution(t: Array, spread: Spread) -> Array:

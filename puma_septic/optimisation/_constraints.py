@@ -18,7 +18,7 @@ from puma_septic.paths import TOOL, ToolLimits, tool_rates
 from puma_septic.piecewise import Extrema
 from puma_septic.quantities import MOTION, QUANTITIES
 from puma_septic.robot import Robot
-from puma_septic.validation import Array, checked_array, checked_choice
+from puma_septic.validation import Array, checked_array, checked_choice, n_dimensions
 
 __all__ = [
     "Excess",
@@ -50,7 +50,7 @@ def excess_function(
     """
     checks: list[Excess] = []
     if max_overshoot is not None:
-        shape = () if np.ndim(max_overshoot) == 0 else (n_joints,)
+        shape = () if n_dimensions(max_overshoot) == 0 else (n_joints,)
         bound = checked_array("max_overshoot", max_overshoot, shape, unit="rad")
         if not (bound >= 0).all():
             raise InputError("max_overshoot must not be negative, in rad")

@@ -36,7 +36,7 @@ from puma_septic.paths import ToolLimits
 from puma_septic.quantities import COMMON, MOTION
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, frozen
+from puma_septic.validation import Array, checked_array, frozen, n_dimensions, numbers
 from puma_septic.views.tables import Cell, text_table
 
 __all__ = ["LeastTime", "least_time"]
@@ -246,7 +246,7 @@ def least_time(
     (1.2599, True)
     """
     quantities = _respected(robot, keep)
-    total = 1.0 if np.ndim(times) == 0 else np.asarray(times) / float(np.ptp(np.asarray(times, dtype=np.float64)))
+    total = 1.0 if n_dimensions(times) == 0 else numbers("times", times) / float(np.ptp(numbers("times", times)))
     untimed = [name for name in quantities if name == "position"]
     setting = checked_setting(
         make,
@@ -311,7 +311,7 @@ def _checked_limits(
     limits = np.full((3, n_joints), np.nan)
     for row, name, value in zip(limits, MOTION[1:], given, strict=True):
         if value is not None:
-            shape = () if np.ndim(value) == 0 else (n_joints,)
+            shape = () if n_dimensions(value) == 0 else (n_joints,)
             row[:] = checked_array(f"max_{name}", value, shape, allow_nan=True)
             if (row <= 0).any():
                 raise InputError(f"max_{name}[{int(np.argmax(row <= 0))}] = {row[row <= 0][0]:g} must be positive")

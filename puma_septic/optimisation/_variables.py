@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from puma_septic.errors import InputError
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, checked_choice, checked_times
+from puma_septic.validation import Array, checked_array, checked_choice, checked_times, n_dimensions
 
 __all__ = ["FREE", "MakeTrajectory", "Variables", "checked_variables"]
 
@@ -163,7 +163,7 @@ def checked_variables(
             "without a via between start and end there are no via times" if least == 3 else "a motion needs two points"
         )
         raise InputError(f"{reason}: got {len(vias)} points")
-    start = checked_times("times", _default_times(vias, times) if np.ndim(times) == 0 else times, len(vias))
+    start = checked_times("times", _default_times(vias, times) if n_dimensions(times) == 0 else times, len(vias))
     names = (free,) if isinstance(free, str) else tuple(free)
     label = getattr(make, "__name__", "this profile")
     parameters = signature(make).parameters

@@ -13,7 +13,7 @@ from puma_septic.paths._fitting import fit_state
 from puma_septic.paths._path import Path
 from puma_septic.paths._rotations import about, shortest_turn, turn_between, turned
 from puma_septic.piecewise import Piecewise
-from puma_septic.validation import Array, checked_array, checked_choice, checked_number
+from puma_septic.validation import Array, checked_array, checked_choice, checked_number, n_dimensions
 
 __all__ = ["Orientation", "arc", "checked_pose", "circle", "line", "turning"]
 
@@ -63,7 +63,7 @@ def line(T_from: ArrayLike, T_to: ArrayLike, *, turn_axis: ArrayLike | None = No
     (0.5, [0.15, 0.2, 0.0])
     """
     rotation, start = checked_pose("T_from", T_from)
-    final, end = checked_pose("T_to", T_to) if np.ndim(T_to) == 2 else (rotation, _checked_point("T_to", T_to))
+    final, end = checked_pose("T_to", T_to) if n_dimensions(T_to) == 2 else (rotation, _checked_point("T_to", T_to))
     length = float(np.linalg.norm(end - start))
     if length <= _SAME_POINT:
         raise InputError(
@@ -115,8 +115,8 @@ def arc(T_from: ArrayLike, via: ArrayLike, T_to: ArrayLike, *, orientation: Orie
     (1.0, 1.0)
     """
     rotation, start = checked_pose("T_from", T_from)
-    middle = checked_pose("via", via)[1] if np.ndim(via) == 2 else _checked_point("via", via)
-    final, end = checked_pose("T_to", T_to) if np.ndim(T_to) == 2 else (None, _checked_point("T_to", T_to))
+    middle = checked_pose("via", via)[1] if n_dimensions(via) == 2 else _checked_point("via", via)
+    final, end = checked_pose("T_to", T_to) if n_dimensions(T_to) == 2 else (None, _checked_point("T_to", T_to))
     centre, axis, angle = _circle_through(start, middle, end)
     return _round("arc", rotation, start, centre, axis, angle, orientation, final)
 

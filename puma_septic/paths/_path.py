@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from puma_septic.errors import InputError
 from puma_septic.paths._rotations import turned
 from puma_septic.piecewise import Piecewise
-from puma_septic.validation import Array, checked_array, read_only
+from puma_septic.validation import Array, checked_array, n_dimensions, numbers, read_only
 
 __all__ = ["Path", "PathRates"]
 
@@ -84,7 +84,7 @@ class Path:
         places = self._checked(s)
         piece = self.pieces(places)
         poses = self._poses(piece, _on_pieces(self._series, piece, places)[0])
-        return poses if np.ndim(s) else poses[0]
+        return poses if n_dimensions(s) else poses[0]
 
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature of the tool's way at distances s, 1/m: the length of the second derivative of the position."""
@@ -118,7 +118,7 @@ class Path:
         return poses
 
     def _checked(self, s: ArrayLike) -> Array:
-        places = checked_array("s", np.ravel(np.asarray(s, dtype=np.float64)), (None,), unit="m")
+        places = checked_array("s", np.ravel(numbers("s", s)), (None,), unit="m")
         if not ((places >= 0) & (places <= self.length * (1 + 1e-12))).all():
             worst = places[np.argmax(np.abs(places - self.length / 2))]
             raise InputError(f"s = {worst:.9g} m is outside the path, [0, {self.length:.9g}] m")

@@ -12,7 +12,7 @@ from puma_septic.paths._curves import checked_pose, turning
 from puma_septic.paths._fitting import fit_state
 from puma_septic.paths._path import Path
 from puma_septic.piecewise import Piecewise
-from puma_septic.validation import Array, checked_array
+from puma_septic.validation import Array, checked_array, n_dimensions
 
 __all__ = ["polyline"]
 
@@ -106,7 +106,7 @@ def polyline(poses: ArrayLike, *, zone: ArrayLike) -> Path:
 
 def _checked_zones(zone: ArrayLike, lengths: Array, directions: Array) -> Array:
     count = len(lengths) - 1
-    zones = np.broadcast_to(checked_array("zone", zone, () if np.ndim(zone) == 0 else (count,), unit="m"), count)
+    zones = np.broadcast_to(checked_array("zone", zone, () if n_dimensions(zone) == 0 else (count,), unit="m"), count)
     if not (zones > 0).all():
         k = int(np.argmin(zones))
         raise InputError(

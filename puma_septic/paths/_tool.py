@@ -62,8 +62,9 @@ class ToolLimits:
     def __post_init__(self) -> None:
         if not self.known:
             raise InputError("tool limits: give one of speed, acceleration, jerk or angular_speed")
-        for quantity, limit in self.known.items():
-            checked_number(quantity.replace(" ", "_"), limit, unit=_QUANTITIES[quantity][2], above=0.0)
+        units = {quantity.replace(" ", "_"): _QUANTITIES[quantity][2] for quantity in self.known}
+        for name, unit in units.items():
+            object.__setattr__(self, name, checked_number(name, getattr(self, name), unit=unit, above=0.0))
 
     @property
     def known(self) -> dict[str, float]:

@@ -15,7 +15,7 @@ from puma_septic.piecewise import matrices
 from puma_septic.piecewise._fitting import Intervals, fit_series
 from puma_septic.piecewise._results import Extrema, Jumps
 from puma_septic.piecewise._search import find_extrema, find_sign_changes
-from puma_septic.validation import Array, checked_array, checked_times, frozen, read_only
+from puma_septic.validation import Array, checked_array, checked_times, frozen, n_dimensions, numbers, read_only
 
 __all__ = ["Piecewise"]
 
@@ -96,9 +96,9 @@ class Piecewise:
         powers : array_like, shape (degree + 1, n, m)
             ``powers[k, i, j]`` multiplies ``s**k`` on interval i in component j.
         """
-        powers = np.asarray(powers, dtype=np.float64)
-        matrix = matrices.from_power_matrix(len(powers) - 1)
-        return cls(breaks=np.asarray(breaks), coefficients=_apply(matrix, powers))
+        checked = checked_array("powers", powers, (None, None, None))
+        matrix = matrices.from_power_matrix(len(checked) - 1)
+        return cls(breaks=_checked_breaks(breaks), coefficients=_apply(matrix, checked))
 
     @classmethod
     def fit(cls, f: Callable[[Array], Array], breaks: ArrayLike, *, tolerance: float = 1e-11) -> Piecewise:
@@ -133,7 +133,9 @@ class Piecewise:
             left, right, x = times[intervals.piece, None], times[intervals.piece + 1, None], intervals.points(x)
             # f may step at a break and has the right-hand value there: an interval's last instant is the one before.
             t = np.clip((left * (1 - x) + right * (1 + x)) / 2, left, np.nextafter(right, left)).ravel()
-            values = np.asarray(f(t))
+            values = numbers("the function to be fitted", f(t))
+            if values.shape[:1] != t.shape:
+                raise InputError(f"the function to be fitted has shape {values.shape} at {len(t)} times")
             if not np.isfinite(values).all():
                 k = int(np.argwhere(~np.isfinite(values))[0, 0])
                 raise PumaSepticError(f"the function to be fitted is not finite at t = {t[k]:.9g} s")
@@ -280,7 +282,7 @@ class Piecewise:
 
     def __call__(self, t: ArrayLike) -> Array:
         """Values at times t: shape () gives (m,), shape (k,) gives (k, m); outside the span is an InputError."""
-        times = np.asarray(t, dtype=np.float64)
+        times = numbers("t", t)
         flat = times.reshape(-1)
         # The end is the start plus the duration, rounded: the end that somebody gave may be a rounding beyond.
         slack = np.spacing(max(abs(self.start), abs(self.breaks[-1])))
@@ -443,7 +445,7 @@ class Piecewise:
         """The sum, componentwise, with a function or with a constant of shape () or (m,)."""
         if not isinstance(other, Piecewise):
             moved = self.coefficients.copy()
-            moved[0] += checked_array("constant", other, () if np.ndim(other) == 0 else (self.n_components,))
+            moved[0] += checked_array("constant", other, () if n_dimensions(other) == 0 else (self.n_components,))
             return self._with(moved)
         f, g = _aligned(self, other)
         if f.degree < g.degree:
@@ -458,7 +460,7 @@ class Piecewise:
     def __mul__(self, other: Piecewise | ArrayLike) -> Piecewise:
         """The product, componentwise, with a function or with a constant of shape () or (m,)."""
         if not isinstance(other, Piecewise):
-            factor = checked_array("factor", other, () if np.ndim(other) == 0 else (self.n_components,))
+            factor = checked_array("factor", other, () if n_dimensions(other) == 0 else (self.n_components,))
             return self._with(self.coefficients * factor)
         f, g = _aligned(self, other)
         degree = f.degree + g.degree

@@ -14,7 +14,7 @@ from puma_septic.profiles._asynchronous import Phases, side_by_side
 from puma_septic.profiles._info import BIAGIOTTI, ProfileInfo
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array
+from puma_septic.validation import Array, checked_array, n_dimensions
 
 __all__ = ["POLYNOMIAL_BLENDS", "TRAPEZOIDAL", "polynomial_blends", "trapezoidal"]
 
@@ -152,7 +152,7 @@ def polynomial_blends(
 
 def _blend_times(vias: Vias, given: ArrayLike) -> Array:
     """Of each point and joint, shape (k, n_joints)."""
-    if np.ndim(given) == 0:
+    if n_dimensions(given) == 0:
         given = np.full(len(vias.q), float(checked_array("blend_time", given, (), unit="s")))
     blends = checked_array("blend_time", given, (len(vias.q),), unit="s")
     if not (blends > 0).all():

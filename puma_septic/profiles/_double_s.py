@@ -13,7 +13,7 @@ from puma_septic.profiles._asynchronous import Phases, side_by_side
 from puma_septic.profiles._info import BIAGIOTTI, ProfileInfo
 from puma_septic.profiles._vias import Vias, boundary, checked_points, joint_labels, named
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array
+from puma_septic.validation import Array, numbers
 
 __all__ = ["DOUBLE_S", "double_s"]
 
@@ -137,7 +137,7 @@ def _limit(name: str, value: ArrayLike | None, labels: Sequence[str], unit: str)
     """A positive limit for each joint."""
     if value is None:
         raise InputError(f"double_s needs {name}, in {unit}: it is the limits that determine its times")
-    unknown = np.isnan(np.asarray(value, dtype=np.float64))
+    unknown = np.isnan(numbers(name, value))
     if unknown.any():
         which = labels if unknown.ndim == 0 else [label for label, one in zip(labels, unknown, strict=False) if one]
         whose = "all joints" if unknown.all() else ", ".join(which)

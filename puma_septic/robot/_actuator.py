@@ -12,7 +12,7 @@ from puma_septic.document import card, known, one_line
 from puma_septic.drives import Drivetrain, Gearbox, Motor
 from puma_septic.errors import InputError
 from puma_septic.friction import Friction, checked_levels
-from puma_septic.validation import Array, FrozenMap, checked_number
+from puma_septic.validation import Array, FrozenMap, store_numbers
 
 __all__ = ["FRICTION_KEYS", "Actuator"]
 
@@ -74,11 +74,10 @@ class Actuator:
     drivetrain: Drivetrain = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        if not np.isnan(self.gear_ratio) and checked_number("gear_ratio", self.gear_ratio) == 0.0:
+        store_numbers(self, {"gear_ratio": ""})
+        if self.gear_ratio == 0.0:
             raise InputError("gear_ratio = 0: the ratio of motor speed to joint speed cannot be zero")
-        for name, unit in (("rotor_inertia", "kg m^2"), ("viscous_friction", "N m s/rad")):
-            if not np.isnan(getattr(self, name)):
-                checked_number(name, getattr(self, name), unit=unit, at_least=0.0)
+        store_numbers(self, {"rotor_inertia": "kg m^2", "viscous_friction": "N m s/rad"}, at_least=0.0)
         object.__setattr__(self, "coulomb_friction", checked_levels("coulomb_friction", self.coulomb_friction))
         object.__setattr__(self, "drivetrain", self._completed())
 

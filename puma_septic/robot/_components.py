@@ -103,7 +103,7 @@ class Payload:
     inertia: Array = field(default_factory=lambda: np.zeros((3, 3)))
 
     def __post_init__(self) -> None:
-        checked_number("mass", self.mass, unit="kg", at_least=0.0)
+        object.__setattr__(self, "mass", checked_number("mass", self.mass, unit="kg", at_least=0.0))
         object.__setattr__(self, "com", checked_array("com", self.com, (3,), unit="m"))
         inertia = checked_array("inertia", self.inertia, (3, 3), unit="kg m^2")
         moments = np.linalg.eigvalsh(inertia)

@@ -20,7 +20,7 @@ from puma_septic.robot._actuator import Actuator
 from puma_septic.robot._components import Limits, Payload, Wrench
 from puma_septic.robot._meshes import Geometry, is_drawn
 from puma_septic.robot._mimic import Mimic
-from puma_septic.validation import Array, FrozenMap, checked_array, checked_choice, frozen, read_only
+from puma_septic.validation import Array, FrozenMap, checked_array, checked_choice, frozen, n_dimensions, read_only
 from puma_septic.views import robot as view
 
 __all__ = ["Robot"]
@@ -299,7 +299,7 @@ class Robot:
         for name, value in magnitudes.items():
             checked_choice("limit", name, QUANTITIES)
             if value is not None:
-                shape = () if np.ndim(value) == 0 else (self.n_joints,)
+                shape = () if n_dimensions(value) == 0 else (self.n_joints,)
                 checked = checked_array(name, value, shape, allow_nan=True)
                 changes[name] = np.broadcast_to(checked, (self.n_joints,))
         if position is not None:

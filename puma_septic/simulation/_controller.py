@@ -17,7 +17,15 @@ from puma_septic.errors import InputError
 from puma_septic.friction import friction_terms
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, checked_choice, checked_number, frozen
+from puma_septic.validation import (
+    Array,
+    checked_array,
+    checked_choice,
+    checked_number,
+    frozen,
+    n_dimensions,
+    store_numbers,
+)
 
 __all__ = [
     "LAWS",
@@ -148,12 +156,12 @@ class Controller:
 
     def __post_init__(self) -> None:
         checked_choice("controller", self.law, LAWS)
-        checked_number("damping_ratio", self.damping_ratio, above=0.0)
-        checked_number("delay", self.delay, unit="s", at_least=0.0)
+        store_numbers(self, {"damping_ratio": ""}, above=0.0)
+        store_numbers(self, {"delay": "s"}, at_least=0.0)
         for name, unit in (("rate", "Hz"), ("velocity_filter", "Hz")):
             value = getattr(self, name)
             if value is not None and not (isinstance(value, float) and isinf(value) and value > 0):
-                checked_number(name, value, unit=unit, above=0.0)
+                object.__setattr__(self, name, checked_number(name, value, unit=unit, above=0.0))
         _at_least_zero("bandwidth", self.bandwidth, "Hz", is_open=True)
         _at_least_zero("encoder_resolution", self.encoder_resolution, "rad")
         if self.model is not None and not isinstance(self.model, Robot):
@@ -295,7 +303,7 @@ def controller_of(value: Controller | str) -> Controller:
 
 
 def _at_least_zero(name: str, value: ArrayLike, unit: str, *, is_open: bool = False) -> None:
-    numbers = checked_array(name, value, () if np.ndim(value) == 0 else (None,), unit=unit)
+    numbers = checked_array(name, value, () if n_dimensions(value) == 0 else (None,), unit=unit)
     if not ((numbers > 0) if is_open else (numbers >= 0)).all():
         raise InputError(f"{name} = {numbers.min():g} {unit} must be {'above' if is_open else 'at least'} 0")
 

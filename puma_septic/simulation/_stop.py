@@ -16,7 +16,7 @@ from puma_septic.kinematics import forward_kinematics
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.robot import Robot
 from puma_septic.simulation._stop_categories import brake, path_of, slow_down, stopping_trajectory
-from puma_septic.validation import Array, checked_array, checked_choice, checked_number, read_only
+from puma_septic.validation import Array, checked_array, checked_choice, checked_number, n_dimensions, read_only
 
 __all__ = [
     "CATEGORIES",
@@ -274,7 +274,7 @@ def checked_brakes(robot: Robot, brake_torque: ArrayLike | None, reaction_time: 
             f"a stop of category 0 needs {' and '.join(missing)}: the torque of each joint's brake, N m at the joint,"
             " and the time until they grip, s; no robot description has them"
         )
-    shape = () if np.ndim(brake_torque) == 0 else (robot.n_joints,)
+    shape = () if n_dimensions(brake_torque) == 0 else (robot.n_joints,)
     torque = np.broadcast_to(checked_array("brake_torque", brake_torque, shape, unit="N m"), (robot.n_joints,))
     if not (torque >= 0).all():
         j = int(np.argmin(torque))

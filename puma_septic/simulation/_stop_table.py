@@ -21,7 +21,7 @@ from puma_septic.kinematics import forward_kinematics
 from puma_septic.robot import Payload, Robot
 from puma_septic.simulation._stop import CATEGORIES, NOT_A_SAFETY_FUNCTION, checked_brakes, known_limits
 from puma_septic.simulation._stop_categories import Path, brake, slow_down
-from puma_septic.validation import Array, checked_array, checked_choice, checked_number, read_only
+from puma_septic.validation import Array, checked_array, checked_choice, checked_number, n_dimensions, read_only
 from puma_septic.views import stops as view
 
 __all__ = ["FRACTIONS", "StopRow", "StopTable", "extended_postures", "stop_table"]
@@ -297,7 +297,7 @@ def _full_speed(robot: Robot, names: Sequence[str], moving: Array, speed: ArrayL
             unknown = ", ".join(name for name, value in zip(names, known, strict=True) if np.isnan(value))
             raise InputError(f"a table of stops needs the speed limit of each joint, or speed=; not known of {unknown}")
         return read_only(known)
-    given = checked_array("speed", speed, () if np.ndim(speed) == 0 else (len(names),), unit="rad/s")
+    given = checked_array("speed", speed, () if n_dimensions(speed) == 0 else (len(names),), unit="rad/s")
     if not (given > 0).all():
         raise InputError(f"speed = {given.min():g} rad/s must be above 0")
     return read_only(np.broadcast_to(given, (len(names),)))

@@ -14,7 +14,7 @@ from puma_septic.drives import Drivetrain, Gearbox, Motor, Supply
 from puma_septic.errors import InputError
 from puma_septic.limit_check import AT_LIMIT, LimitCheck
 from puma_septic.sizing._checks import DRIVE_LIMITS
-from puma_septic.validation import Array, FrozenMap, checked_array, checked_number
+from puma_septic.validation import Array, FrozenMap, checked_array, checked_number, n_dimensions
 
 __all__ = ["Conditions"]
 
@@ -95,7 +95,7 @@ class Conditions:
         for one in fields(self):
             if one.name not in _NO_NUMBERS:
                 value = getattr(self, one.name)
-                shape: tuple[int | None, ...] = () if np.ndim(value) == 0 else (None,)
+                shape: tuple[int | None, ...] = () if n_dimensions(value) == 0 else (None,)
                 array = checked_array(one.name, value, shape, unit=_unit(one.name), allow_nan=True)
                 if one.name != "ambient_celsius" and (array <= 0).any():
                     raise InputError(f"{one.name} = {array.min():g} {_unit(one.name)}: must be greater than 0")

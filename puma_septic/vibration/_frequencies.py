@@ -9,7 +9,7 @@ from puma_septic.dynamics import check_inertia, mass_matrix
 from puma_septic.errors import InputError
 from puma_septic.kinematics import checked_joint_values
 from puma_septic.robot import Robot
-from puma_septic.validation import Array, checked_array, read_only
+from puma_septic.validation import Array, checked_array, n_dimensions, read_only
 from puma_septic.vibration._spectrum import checked_frequencies
 
 __all__ = ["checked_stiffness", "link_inertia", "natural_frequencies", "stiffness_for"]
@@ -56,7 +56,7 @@ def natural_frequencies(robot: Robot, q: ArrayLike, stiffness: ArrayLike) -> Arr
     # Links of no inertia about a joint do not swing: rounding about 0 is one.
     tiny = np.finfo(np.float64).eps * len(compliance) * squares[:, :1]
     hertz = np.where(squares > tiny, 1 / np.sqrt(np.maximum(squares, tiny)), np.inf) / (2 * np.pi)
-    return hertz[0] if np.ndim(q) == 1 else hertz
+    return hertz[0] if n_dimensions(q) == 1 else hertz
 
 
 def stiffness_for(robot: Robot, q: ArrayLike, frequency: ArrayLike) -> Array:
@@ -99,7 +99,7 @@ def link_inertia(robot: Robot, q: Array) -> Array:
 
 def checked_stiffness(robot: Robot, stiffness: ArrayLike) -> Array:
     """Stiffness of each joint, shape (n_joints,), above 0."""
-    shape = () if np.ndim(stiffness) == 0 else (robot.n_joints,)
+    shape = () if n_dimensions(stiffness) == 0 else (robot.n_joints,)
     values = np.broadcast_to(checked_array("stiffness", stiffness, shape, unit="N m/rad"), (robot.n_joints,))
     if not (values > 0).all():
         j = int(np.argmin(values))

@@ -13,7 +13,7 @@ from scipy.special import jve
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, checked_number
+from puma_septic.validation import Array, checked_array, checked_number, n_dimensions
 
 __all__ = [
     "Complex",
@@ -81,7 +81,7 @@ def residual_vibration(trajectory: Trajectory, frequency: ArrayLike, *, damping:
 
 def checked_frequencies(frequency: ArrayLike) -> Array:
     """Frequencies in Hz, shape () or (k,), each above 0."""
-    hertz = checked_array("frequency", frequency, () if np.ndim(frequency) == 0 else (None,), unit="Hz")
+    hertz = checked_array("frequency", frequency, () if n_dimensions(frequency) == 0 else (None,), unit="Hz")
     if not (hertz > 0).all():
         raise InputError(f"frequency = {hertz.min():g} Hz: a natural frequency must be above 0")
     return hertz

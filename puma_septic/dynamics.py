@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from puma_septic.errors import InputError, ModelError
 from puma_septic.friction import friction_terms, loss
 from puma_septic.kinematics import checked_joint_values, forward_kinematics, jacobian
-from puma_septic.robot import Robot, Wrench
+from puma_septic.robot import Robot, Wrench, inertia_matrices
 from puma_septic.validation import Array, n_dimensions
 
 __all__ = [
@@ -279,12 +279,9 @@ def acceleration_function(robot: Robot) -> Callable[[Array, Array, Array], Array
 def mass_matrix(robot: Robot, q: Array) -> Array:
     """Joint-space inertia ``M(q)``, rotors and payload included, shape (n, n_joints, n_joints), for a checked q.
 
-    kg m^2 between revolute joints, kg between prismatic ones; by the composite-rigid-body algorithm.
+    kg m^2 between revolute joints, kg between prismatic ones; see `inertia_matrices`.
     """
-    model = robot.model
-    # With mimicking joints crba adds to what the call before left in the data (pin 4.1.0).
-    kept = None if robot.mimics else model.createData()
-    full = [pin.crba(model, kept or model.createData(), row).copy() for row in robot.configurations(q)]
+    full = inertia_matrices(robot.model, list(robot.configurations(q)), mimics=bool(robot.mimics))
     return np.array([robot.from_tangents(robot.from_tangents(matrix).T) for matrix in full])
 
 

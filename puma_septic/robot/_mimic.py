@@ -7,7 +7,12 @@ from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 from typing import final
 
-__all__ = ["Mimic", "Tree", "followed", "visiting_order"]
+import numpy as np
+import pinocchio as pin
+
+from puma_septic.validation import Array
+
+__all__ = ["Mimic", "Tree", "followed", "inertia_matrices", "visiting_order"]
 
 # Child joints of each link, and of each joint the link that it moves.
 Tree = tuple[Mapping[str, Sequence[str]], Mapping[str, str]]
@@ -77,3 +82,21 @@ def visiting_order(tree: Tree, root: str, mimics: Mapping[str, Mimic]) -> list[s
         return None
     place = {joint: k for k, joint in enumerate(order)}
     return order if all(place[one.master] < place[name] for name, one in mimics.items()) else None
+
+
+def inertia_matrices(model: pin.Model, configurations: Sequence[Array], *, mimics: bool) -> Array:
+    """Joint-space inertia in each configuration, kg m^2 (kg), shape (n, nv, nv), in Pinocchio's order.
+
+    By the composite-rigid-body algorithm. With mimicking joints that is wrong where two branches hang behind one, and
+    adds to what the call before has left in the data (pin 4.1.0); there column j is the torque that the acceleration
+    1 of joint j takes at rest without gravity, by the algorithm of Newton and Euler.
+    """
+    if mimics:
+        free, still = model.copy(), np.zeros(model.nv)
+        free.gravity = pin.Motion.Zero()
+        data = free.createData()
+        columns = [[pin.rnea(free, data, q, still, unit).copy() for unit in np.eye(model.nv)] for q in configurations]
+        return np.array(columns).transpose(0, 2, 1)
+    data = model.createData()
+    upper = np.triu([pin.crba(model, data, q).copy() for q in configurations])  # the triangle that it fills
+    return np.asarray(upper + np.triu(upper, 1).transpose(0, 2, 1))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from typing import Final
 
@@ -9,8 +10,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from puma_septic.robot._mimic import inertia_matrices
 from puma_septic.robot._urdf_checks import Urdf
-from puma_septic.robot._urdf_schema import vector
+from puma_septic.robot._urdf_schema import tensor, vector
 from puma_septic.validation import Array
 
 __all__ = ["check_complete", "massless_notes", "unknown_torques"]
@@ -19,24 +21,74 @@ N_CONFIGURATIONS: Final = 20
 SEED: Final = 560
 SINGULAR: Final = 1e-12  # of a matrix with unit diagonal: rounding leaves some 1e-16 of a zero eigenvalue
 FAR: Final = 1e3  # rad or m: a limit beyond it is a placeholder such as 1e16
+SAME_BODY: Final = 1e-9  # rounding of sums of at most 200 terms, of their magnitudes
 NO_INERTIA: Final = 1e-12  # kg m^2 (kg for prismatic joints), far below a watch's hand
 
 
 def check_complete(model: pin.Model, urdf: Urdf) -> None:
-    """Compare joints and total mass with the text: a second look at what the first door let through.
+    """Compare the joints, and each one's body, with the text: a second look at what the first door let through.
 
     Raises
     ------
     ModelError
-        If Pinocchio lost or added a joint or a mass.
+        If Pinocchio lost or added a joint, or reads another mass, centre or inertia than the text has.
     """
     names, expected = list(model.names)[1:], [*urdf.moving, *urdf.mimics]
     if sorted(names) != sorted(expected) or model.nv != len(urdf.moving):
         raise urdf.text.complaint(f"Pinocchio reads the joints {names}, the text has {expected}")
-    masses = [vector(link.find("inertial/mass"), "value", (0.0,))[0] for link in urdf.links.values()]
-    read = sum(inertia.mass for inertia in model.inertias)
-    if not np.isclose(read, sum(masses), rtol=1e-9, atol=0.0):  # rounding of a sum of at most 200 terms
-        raise urdf.text.complaint(f"Pinocchio reads {read:g} kg, the text has {sum(masses):g} kg")
+    for name, (moments, sizes) in _bodies(urdf).items():
+        read = _moments(model.inertias[model.getJointId(name) if name else 0])
+        # Each held against the largest of its kind: beside that, its own zeros are rounding.
+        scale = np.repeat([part.max() for part in np.split(sizes, (1, 4))], (1, 3, 9))
+        wrong = np.flatnonzero(~(np.abs(read - moments) <= SAME_BODY * scale + NO_INERTIA))
+        if len(wrong):
+            k = int(wrong[0])
+            what = "a mass" if k == 0 else "a centre of mass" if k < 4 else "an inertia"
+            raise urdf.text.complaint(
+                f"of the body of {f'joint {name!r}' if name else 'the base'} Pinocchio reads {what} other than the"
+                f" text's: {read[k]:g} instead of {moments[k]:g} (kg, kg m, kg m^2)"
+            )
+
+
+def _bodies(urdf: Urdf) -> dict[str, tuple[Array, Array]]:
+    """`_body_moments` of what each joint carries up to the next ones ("": the base), and sums of their magnitudes."""
+    found = {name: (np.zeros(13), np.zeros(13)) for name in ("", *urdf.moving, *urdf.mimics)}
+    for name, link in urdf.links.items():
+        inertial, matrix = link.find("inertial"), link.find("inertial/inertia")
+        if inertial is not None and matrix is not None:
+            carrier, pose = _carried(urdf, name)
+            at = pose * _origin(inertial.find("origin"))
+            mass = vector(inertial.find("mass"), "value", ())[0]
+            part = _body_moments(mass, at.translation, at.rotation @ tensor(matrix) @ at.rotation.T)
+            moments, sizes = found[carrier]
+            moments += part
+            sizes += np.abs(part)
+    return found
+
+
+def _carried(urdf: Urdf, link: str) -> tuple[str, pin.SE3]:
+    """The joint that carries a link ("": the base), and where the link is in that joint's frame."""
+    pose, above = pin.SE3.Identity(), urdf.above
+    while link in above and above[link].kind == "fixed":
+        pose = _origin(above[link].element.find("origin")) * pose
+        link = above[link].parent
+    return above[link].name if link in above else "", pose
+
+
+def _origin(element: ET.Element | None) -> pin.SE3:
+    """The pose that an <origin> says."""
+    zero = (0.0, 0.0, 0.0)
+    return pin.SE3(pin.rpy.rpyToMatrix(vector(element, "rpy", zero)), vector(element, "xyz", zero))
+
+
+def _moments(inertia: pin.Inertia) -> Array:
+    return _body_moments(inertia.mass, inertia.lever, inertia.inertia)
+
+
+def _body_moments(mass: float, centre: Array, inertia: Array) -> Array:
+    """Mass, first and second moments about the joint's origin, shape (13,): those of two bodies add up."""
+    second = inertia + mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
+    return np.array([mass, *(mass * centre), *second.ravel()])
 
 
 def unknown_torques(model: pin.Model, armature: Array, urdf: Urdf) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -54,7 +106,7 @@ def unknown_torques(model: pin.Model, armature: Array, urdf: Urdf) -> tuple[tupl
         Rotor inertia at the joint in Pinocchio's order, 0 where unknown.
     urdf : Urdf
     """
-    inertias = _inertias(model)
+    inertias = _inertias(model, urdf)
     present = ~(np.diagonal(inertias, axis1=1, axis2=2).max(axis=0) <= NO_INERTIA)
     joints = zip(list(model.joints)[1:], list(model.names)[1:], strict=True)  # the first is the world
     empty = {name for joint, name in joints if joint.nv == 1 and not present[joint.idx_v]}
@@ -85,10 +137,8 @@ def _unsound_carriers(urdf: Urdf) -> set[str]:
     return carrying | {mimic.master for name, mimic in urdf.mimics.items() if name in carrying}
 
 
-def _inertias(model: pin.Model) -> Array:
-    # Fresh data each time: of mimicking joints crba adds to what is there (pin 4.1.0). It fills the upper triangle.
-    upper = np.triu([np.array(pin.crba(model, model.createData(), q)) for q in _configurations(model)])
-    return np.asarray(upper + np.triu(upper, 1).transpose(0, 2, 1))
+def _inertias(model: pin.Model, urdf: Urdf) -> Array:
+    return inertia_matrices(model, list(_configurations(model)), mimics=bool(urdf.mimics))
 
 
 def _is_positive_definite(inertias: Array, present: NDArray[np.bool_]) -> bool:

@@ -9,7 +9,7 @@ from typing import final
 
 from puma_septic.robot._mimic import Mimic, followed, visiting_order
 from puma_septic.robot._urdf_physics import MOVING_KINDS, joint_findings, link_findings
-from puma_septic.robot._urdf_schema import check_schema, summarised
+from puma_septic.robot._urdf_schema import as_checked, check_schema, summarised
 from puma_septic.robot._urdf_text import Finding, UrdfText
 
 __all__ = ["Urdf", "UrdfJoint", "checked_urdf"]
@@ -82,13 +82,15 @@ class Urdf:
         """Text for Pinocchio: joints, under other names where given, and these parts of the links, as checked."""
         called = names or {}
         tree = ET.Element("robot", name=self.name)
-        tree.extend(self.text.root.findall("material"))
+        tree.extend(map(as_checked, self.text.root.findall("material")))
         for name, link in self.links.items():
-            ET.SubElement(tree, "link", name=name).extend(part for part in link if part.tag in link_parts)
+            parts = (as_checked(part) for part in link if part.tag in link_parts)
+            ET.SubElement(tree, "link", name=name).extend(parts)
         for joint in self.joints.values():
             kind = self._read_kind(joint)
             element = ET.SubElement(tree, "joint", name=called.get(joint.name, joint.name), type=kind)
-            element.extend(part for part in joint.element if part.tag in ("origin", "parent", "child", "axis"))
+            parts = (as_checked(part) for part in joint.element if part.tag in ("origin", "parent", "child", "axis"))
+            element.extend(parts)
             if kind not in ("fixed", "continuous"):
                 element.append(ET.Element("limit", _ANY))
             if joint.name in self.mimics:

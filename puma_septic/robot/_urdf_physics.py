@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 import pinocchio as pin
 
-from puma_septic.robot._urdf_schema import PARTS, vector
+from puma_septic.robot._urdf_schema import PARTS, tensor, vector
 from puma_septic.robot._urdf_text import Finding, UrdfText
 from puma_septic.validation import Array
 
@@ -68,17 +68,12 @@ def _inertial(text: UrdfText, inertial: ET.Element, name: str, *, moves: bool) -
     if mass > MAX_MASS or mass < 0:
         why = "a mass cannot be negative" if mass < 0 else f"more than {MAX_MASS:g} kg"
         yield _unusable(text, mass_element, f"{given}: {why}", inertial, moves=moves)
-    moments = np.asarray(np.linalg.eigvalsh(_tensor(tensor_element)), dtype=np.float64)
+    moments = np.asarray(np.linalg.eigvalsh(tensor(tensor_element)), dtype=np.float64)
     if moments[2] > MAX_MASS * MAX_DISTANCE**2:
         message = f"principal moment {moments[2]:g} kg m^2: larger than any arm's"
         yield _unusable(text, tensor_element, message, inertial, moves=moves)
     else:
         yield from _moments(text, tensor_element, moments, inertial, name, mass=mass, moves=moves)
-
-
-def _tensor(element: ET.Element) -> Array:
-    xx, xy, xz, yy, yz, zz = (float(element.get(key, "0")) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
-    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 def _moments(

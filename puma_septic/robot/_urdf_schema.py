@@ -14,7 +14,7 @@ import numpy as np
 from puma_septic.robot._urdf_text import Finding, UrdfText
 from puma_septic.validation import Array
 
-__all__ = ["check_schema", "summarised", "vector"]
+__all__ = ["as_checked", "check_schema", "summarised", "tensor", "vector"]
 
 # Attributes of each element and how many numbers each holds (0: text): the URDF specification up to version 1.2
 # (wiki.ros.org/urdf/XML; ros/urdfdom #212, #235, #238) and, last in a row, what public robots add to it (panda: D, K,
@@ -154,6 +154,27 @@ def vector(element: ET.Element | None, name: str, default: tuple[float, ...]) ->
     """Numbers of an attribute that `check_schema` has passed; the default where it is absent."""
     text = None if element is None else element.get(name)
     return np.array(default if text is None else [float(word) for word in text.split()])
+
+
+def tensor(element: ET.Element) -> Array:
+    """The symmetric matrix of an <inertia> that `check_schema` has passed."""
+    xx, xy, xz, yy, yz, zz = (vector(element, key, (0.0,))[0] for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def as_checked(element: ET.Element) -> ET.Element:
+    """A copy of an element that `check_schema` has passed, with its numbers as they have been read.
+
+    Pinocchio's reader knows other blanks and other numbers: one blank behind a number made all of an inertia zero.
+    """
+    counts = ATTRIBUTES.get(element.tag, {})
+    attributes = {
+        name: " ".join(map(repr, vector(element, name, ()).tolist())) if counts.get(name) else value
+        for name, value in element.attrib.items()
+    }
+    copy = ET.Element(element.tag, attributes)
+    copy.extend(map(as_checked, element))
+    return copy
 
 
 def _element(text: UrdfText, element: ET.Element, part: ET.Element | None) -> Iterator[Finding]:

@@ -12,6 +12,8 @@ from math import inf, isinf, isnan, nan
 from types import MappingProxyType
 from typing import Any, Final
 
+from puma_septic.errors import readable
+
 __all__ = [
     "SCHEMAS",
     "card",
@@ -63,7 +65,8 @@ _UNBOUNDED: Final = "unbounded"
 # Of one line: what a window shows without breaking it.
 _LINE: Final = 160
 # What a spreadsheet takes for the beginning of a formula, its full-width forms included: OWASP, "CSV Injection".
-_FORMULA: Final = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠")
+# A blank before it does not matter to all of them.
+_FORMULA: Final = ("=", "+", "-", "@", "＝", "＋", "－", "＠")
 
 
 def plain(value: Any) -> Any:
@@ -121,7 +124,8 @@ def to_json(document: Mapping[str, Any]) -> str:
     -------
     str
     """
-    return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    # What JSON may hold as it is and a terminal may not show: escaped, it is the same document.
+    return readable(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False)) + "\n"
 
 
 def csv_text(rows: Iterable[Iterable[Any]]) -> str:
@@ -186,7 +190,7 @@ def one_line(kind: str, facts: Mapping[str, object]) -> str:
     '<Motor: name F60, peak torque 3 N m>'
     """
     said = ", ".join(f"{title} {text}" for title, text in facts.items())
-    line = " ".join(f"<{kind}: {said}>".split())
+    line = readable(" ".join(f"<{kind}: {said}>".split()))
     return line if len(line) <= _LINE else f"{line[: _LINE - 5]} ...>"
 
 
@@ -258,9 +262,11 @@ def _written(value: Any) -> str:
 def _cell(value: Any) -> Any:
     if not isinstance(value, str):
         return "" if value is None else value
-    guard = "'" if value.startswith(_FORMULA) and not _is_number(value) else ""
     # The writer puts quotes around a line feed, around a carriage return not: it would end the row.
-    return guard + value.replace("\r\n", "\n").replace("\r", "\n")
+    lines = value.replace("\r\n", "\n").replace("\r", "\n")
+    is_formula = lines.startswith(("\t", "\n")) or lines.lstrip().startswith(_FORMULA)
+    guard = "'" if is_formula and not _is_number(value) else ""
+    return guard + readable(lines)
 
 
 def _is_number(text: str) -> bool:

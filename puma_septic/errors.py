@@ -1,20 +1,45 @@
-"""Every exception that the package raises on purpose.
+"""Every exception that the package raises on purpose, and what is fit to be read by a person.
 
 A violated limit is not among them: it is the answer of an assessment.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from difflib import get_close_matches
 from functools import partial
-from typing import Any
+from typing import Any, Final
 
-__all__ = ["InputError", "ModelError", "NoSolution", "PumaSepticError", "did_you_mean"]
+__all__ = ["InputError", "ModelError", "NoSolution", "PumaSepticError", "did_you_mean", "readable"]
+
+# What moves the cursor, ends a line or turns the direction of writing: Unicode's categories Cc, Cs, Zl and Zp, and the
+# bidirectional controls (Unicode Standard Annex 9, table 2). Line feeds and tabs are text.
+_CONTROL: Final = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+# In a message: of one word, and of all; a path of 255 bytes stays whole.
+_LONG_WORD: Final = re.compile(r"\S{401,}")
+_LONGEST: Final = 2000
+
+
+def readable(text: str) -> str:
+    r"""A text with its control characters as JSON and Python write them, so that it cannot steer a terminal.
+
+    Examples
+    --------
+    >>> print(readable("\x1b[31mred\u202e"))
+    \u001b[31mred\u202e
+    """
+    return _CONTROL.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
 class PumaSepticError(Exception):
-    """Base of all errors of this package."""
+    """Base of all errors of this package.
+
+    A message is `readable`, and long values in it are shortened.
+    """
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(_shortened(readable(message)))
 
 
 class InputError(PumaSepticError, ValueError):
@@ -44,6 +69,11 @@ class NoSolution(PumaSepticError):
     def __reduce__(self) -> tuple[Any, ...]:
         # By default the message alone: a process pool waited for ever for what could not be unpickled.
         return partial(type(self), residual=self.residual, q=self.q), self.args
+
+
+def _shortened(text: str) -> str:
+    text = _LONG_WORD.sub(lambda match: f"{match[0][:200]}...{match[0][-40:]}", text)
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 500]} ... {text[-400:]}"
 
 
 def did_you_mean(unknown: Iterable[str], valid: Iterable[str]) -> str:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import io
+import os
+import reprlib
 from collections.abc import Iterable
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 from typing import Any, Final, final
 
@@ -18,8 +21,10 @@ from puma_septic.errors import InputError
 
 __all__ = [
     "YamlPlaces",
+    "checked_path",
     "decoded",
     "read_bytes",
+    "read_text",
     "sha256_of",
     "yaml_documents",
     "yaml_places",
@@ -55,6 +60,31 @@ def decoded(data: bytes, origin: str | Path) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(f"{origin}: not UTF-8 text: {error.reason} at byte {error.start}") from error
+
+
+def read_text(path: str | PathLike[str], *, what: str, at_most: int) -> str:
+    """`decoded` text of a file that `read_bytes` reads.
+
+    Raises
+    ------
+    InputError
+        Naming the file, as `what`, and the reason.
+    """
+    place = checked_path(path, what)
+    return decoded(read_bytes(place, what=what, at_most=at_most), place)
+
+
+def checked_path(path: str | PathLike[str], what: str) -> Path:
+    """The path; an integer, which `open` takes for a descriptor of the process, is none.
+
+    Raises
+    ------
+    InputError
+        For what is no path, as the path of `what`.
+    """
+    if not isinstance(path, (str, PathLike)) or not isinstance(os.fspath(path), str):
+        raise InputError(f"expected the path of a {what}, got {reprlib.repr(path)}")
+    return Path(path)
 
 
 def yaml_documents(text: str, origin: str, *, max_depth: int) -> list[Any]:

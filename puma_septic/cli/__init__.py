@@ -7,10 +7,12 @@ runs, so that ``--help`` answers at once.
 from __future__ import annotations
 
 import os
+import signal
 import sys
+import threading
 from argparse import Namespace
-from collections.abc import Mapping, Sequence
-from contextlib import nullcontext, suppress
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import replace
 from typing import Final
 
@@ -36,13 +38,14 @@ from puma_septic.cli._arguments import asked_units, check_out
 from puma_septic.cli._messages import blamed, fault_text, spelt
 from puma_septic.cli._parser import Command, parse
 from puma_septic.cli._terminal import coloured, has_colour, terminal_width, waiting
-from puma_septic.errors import InputError, PumaSepticError
+from puma_septic.errors import InputError, PumaSepticError, readable
 
 __all__ = ["COMMANDS", "main"]
 
 BAD_INPUT = 2
 FAULT = 70  # EX_SOFTWARE of sysexits.h
-INTERRUPTED = 130  # as a shell reports Ctrl-C
+INTERRUPTED = 128  # and the signal's number, as a shell reports it: 130 for Ctrl-C
+_ENDING: Final = (signal.SIGTERM, signal.SIGHUP)
 # Commands that have a bar of their own, or run until they are ended.
 _TELL_THEMSELVES: Final = ("optimise", "replay")
 
@@ -81,18 +84,48 @@ def main(argv: Sequence[str] | None = None) -> int:
         0: all shown profiles of the task are feasible (`ik`: each pose has a branch within limits; `paper`: always).
         1: one of them violates a limit. 2: bad input, told on stderr, one line for each fault; a pose out of reach is
         one, and so is a place that cannot be written to. 3: undecided; the noise or the units of a recorded motion
-        leave open whether it keeps its limits. 70: a fault of the program itself, with what to report. 130:
-        interrupted.
+        leave open whether it keeps its limits. 70: a fault of the program itself, with what to report. 130, 143,
+        129: interrupted (Ctrl-C), terminated, hung up; nothing half written is left.
     """
     given = list(sys.argv[1:] if argv is None else argv)
     try:
-        return _answered(given)
+        with _ended_like_ctrl_c():
+            return _answered(given)
+    except _Ended as end:
+        return INTERRUPTED + end.number
     except KeyboardInterrupt:
         _complain("puma-septic: interrupted\n")
-        return INTERRUPTED
+        return INTERRUPTED + signal.SIGINT
     except Exception as error:  # the last resort: Python's own exit code would be 1, which is a verdict
         _complain(fault_text(error, given, debug="--debug" in given))
         return FAULT
+
+
+class _Ended(KeyboardInterrupt):
+    """A signal that ends the process, as Ctrl-C does: what is half written is removed on the way out."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__()
+        self.number = number
+
+
+@contextmanager
+def _ended_like_ctrl_c() -> Iterator[None]:
+    """While inside, a signal to terminate raises an exception; one that is ignored (nohup) stays so."""
+
+    def end(number: int, _: object) -> None:
+        signal.signal(number, signal.SIG_IGN)  # a second one must not disturb the way out
+        raise _Ended(number)
+
+    is_main = threading.current_thread() is threading.main_thread()
+    caught = [one for one in _ENDING if is_main and signal.getsignal(one) is signal.SIG_DFL]
+    for one in caught:
+        signal.signal(one, end)
+    try:
+        yield
+    finally:
+        for one in caught:
+            signal.signal(one, signal.SIG_DFL)
 
 
 def _answered(given: list[str]) -> int:
@@ -134,7 +167,7 @@ def _for_a_person(text: str, arguments: Namespace) -> str:
         same = tuple(head) == table.head
         return table if same else replace(table, head=tuple(head), rows=tuple(map(tuple, rows)))
 
-    shown = laid_out(units.prose(spelt(text)), terminal_width(), change=change)
+    shown = laid_out(units.prose(spelt(readable(text))), terminal_width(), change=change)
     return coloured(shown) if has_colour(sys.stdout) else shown
 
 
@@ -157,4 +190,5 @@ def _write(text: str) -> None:
 def _complain(text: str) -> None:
     """On stderr, unless it is closed."""
     if sys.stderr is not None:
-        sys.stderr.write(text)
+        with suppress(OSError):
+            sys.stderr.write(readable(text))

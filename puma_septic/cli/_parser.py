@@ -10,7 +10,7 @@ from textwrap import fill
 from typing import Final, NamedTuple, NoReturn, Protocol
 
 from puma_septic._version import __version__
-from puma_septic.errors import did_you_mean
+from puma_septic.errors import did_you_mean, readable
 
 __all__ = ["UNDECIDED", "Answer", "Command", "parse"]
 
@@ -56,7 +56,8 @@ class _Parser(ArgumentParser):
     """An argument parser that complains in one line."""
 
     def error(self, message: str) -> NoReturn:
-        sys.stderr.write(f"{self.prog}: error: {message} (see {self.prog} --help)\n")
+        if sys.stderr is not None:
+            sys.stderr.write(readable(f"{self.prog}: error: {message} (see {self.prog} --help)\n"))
         sys.exit(2)
 
 

@@ -12,8 +12,8 @@ from typing import Any, Final, NamedTuple, final
 
 from puma_septic.drives._columns import CURRENCY, Column, header_parts
 from puma_septic.drives._units import si_size
-from puma_septic.errors import InputError, did_you_mean
-from puma_septic.files import decoded, read_bytes
+from puma_septic.errors import InputError, did_you_mean, readable
+from puma_septic.files import read_text
 
 __all__ = ["PartTable", "Row", "raw_rows", "read_table"]
 
@@ -98,7 +98,8 @@ def raw_rows(path: Path) -> tuple[list[tuple[int, list[str]]], bool]:
         Number of the line, and its cells.
     bool
     """
-    text = decoded(read_bytes(path, what="catalogue", at_most=_MAX_BYTES), path)
+    text = read_text(path, what="catalogue", at_most=_MAX_BYTES)
+    text = readable(text.replace("\r\n", "\n").replace("\r", "\n"))
     first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
     outside = re.sub(r'"[^"]*"|\[[^\]]*\]', "", first)
     delimiter = max(_DELIMITERS, key=outside.count)

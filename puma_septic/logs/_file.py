@@ -12,7 +12,8 @@ from typing import Final, Literal, NamedTuple, NoReturn, final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.errors import InputError
+from puma_septic.errors import InputError, readable
+from puma_septic.files import read_text
 from puma_septic.logs._clock import even_stamps, exact_stamps, near_origin
 from puma_septic.logs._columns import Layout, is_unit, laid_out
 from puma_septic.robot import Robot
@@ -20,6 +21,8 @@ from puma_septic.validation import Array, checked_choice, checked_number, read_o
 
 __all__ = ["JointLog", "read_csv_trajectory", "read_log"]
 
+# 200,000 rows of six joints, at 1 kHz more than three minutes.
+_MAX_BYTES: Final = 16_000_000
 _COMMENTS: Final = ("#", "%", "//")
 _NAMES: Final = {";": "';'", "\t": "tabs", " ": "blanks"}
 
@@ -50,13 +53,7 @@ def _read_cells(path: str | PathLike[str]) -> _Cells:
     InputError
         For a file that cannot be read, or has no header.
     """
-    try:
-        with open(path, encoding="utf-8-sig", newline="") as file:
-            lines = file.read().splitlines()
-    except FileNotFoundError as error:
-        raise InputError(f"{path}: this CSV file does not exist") from error
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        raise InputError(f"{path}: cannot be read as a CSV file: {error}") from error
+    lines = [readable(line) for line in read_text(path, what="CSV file", at_most=_MAX_BYTES).splitlines()]
     comments = sum(line.lstrip().startswith(_COMMENTS) for line in lines)
     plain = [line for line in lines if line.strip() and not line.lstrip().startswith(_COMMENTS)]
     separator = _separator(plain[0] if plain else "")

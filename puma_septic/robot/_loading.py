@@ -106,6 +106,7 @@ def load_robot(
     >>> robot.limits.effort.tolist()
     [56.0, 97.0, 52.0, 10.0, 10.0, 10.0]
     """
+    _check_pinocchio()
     down = checked_array("gravity", gravity, (3,), unit="m/s^2")
     positions, lock_others = named_locks(locked)
     urdf_path, actuator_path = _paths(source, actuators)
@@ -152,6 +153,14 @@ def robot_files(source: str | Path = "puma560", *, actuators: str | Path | None 
     """
     urdf, actuator_file = _paths(source, actuators)
     return {"robot": urdf} if actuator_file is None else {"robot": urdf, "actuators": actuator_file}
+
+
+def _check_pinocchio() -> None:
+    if not hasattr(pin, "buildModelFromXML"):
+        raise ModelError(
+            f"{pin.__file__} is another package called pinocchio; Pinocchio is the package pin: python -m pip uninstall"
+            " pinocchio, then python -m pip install --force-reinstall pin"
+        )
 
 
 def _paths(source: str | Path, actuators: str | Path | None) -> tuple[Path, Path | None]:

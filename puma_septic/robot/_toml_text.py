@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from puma_septic.errors import ModelError, did_you_mean
+from puma_septic.errors import ModelError, did_you_mean, readable
 from puma_septic.robot._urdf_text import read_utf8
 
 __all__ = ["read_toml", "table"]
@@ -59,8 +59,7 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
     # ValueError: an integer of thousands of digits, which Python does not read.
     except (ValueError, RecursionError) as error:
         raise ModelError(f"{path}: not valid TOML: {error}") from error
-    _check_integers(data, str(path))
-    return data
+    return {readable(key): _checked(value, f"{path}, {readable(key)}") for key, value in data.items()}
 
 
 def table(value: object, where: str, keys: Sequence[str] | None = None, *, kind: str = "key") -> dict[str, Any]:
@@ -89,13 +88,12 @@ def _most_parts(text: str) -> int:
     return most
 
 
-def _check_integers(value: object, where: str) -> None:
-    items: Iterable[tuple[Any, Any]] = ()
+def _checked(value: Any, where: str) -> Any:
+    """The value with its texts and keys readable, and no integer beyond 64 bits."""
     if isinstance(value, dict):
-        items = value.items()
-    elif isinstance(value, list):
-        items = enumerate(value)
-    elif isinstance(value, int) and not _INTEGERS[0] <= value <= _INTEGERS[1]:
+        return {readable(key): _checked(item, f"{where}, {readable(key)}") for key, item in value.items()}
+    if isinstance(value, list):
+        return [_checked(item, f"{where}, {k}") for k, item in enumerate(value)]
+    if isinstance(value, int) and not _INTEGERS[0] <= value <= _INTEGERS[1]:
         raise ModelError(f"{where}: an integer of {value.bit_length()} bits; at most 64 are allowed")
-    for key, item in items:
-        _check_integers(item, f"{where}, {key}")
+    return readable(value) if isinstance(value, str) else value

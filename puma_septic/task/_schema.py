@@ -10,6 +10,7 @@ from typing import Annotated, Any, Final, Literal, final
 from pydantic import AfterValidator, Discriminator, Field, StrictBool, Tag, field_validator, model_validator
 
 from puma_septic.document import card, one_line
+from puma_septic.errors import readable
 from puma_septic.task._conditions import ConditionsSection, LoadCaseSection
 from puma_septic.task._fields import (
     LIST,
@@ -221,7 +222,7 @@ class Task(Section):
     """
 
     name: Text
-    description: Annotated[str, Field(strict=True, max_length=2000)] = ""
+    description: Annotated[str, Field(strict=True, max_length=2000), AfterValidator(readable)] = ""
     robot: RobotSection = Field(default_factory=RobotSection)
     frame: Text = "world"
     points: Annotated[tuple[Point, ...], Field(min_length=1)]

@@ -11,6 +11,7 @@ import numpy as np
 
 from puma_septic.drives._catalogue import Catalogue, Pair
 from puma_septic.drives._columns import (
+    CURVES_AT,
     GEAR_KINDS,
     GEARBOX,
     GEARBOX_FIELDS,
@@ -20,6 +21,7 @@ from puma_septic.drives._columns import (
     MOTOR_TEXTS,
     PAIR,
     Column,
+    voltage_of,
 )
 from puma_septic.drives._drive import Drive
 from puma_septic.drives._gearbox import Gearbox
@@ -60,7 +62,8 @@ def load_catalogue(motors: str | Path, gearboxes: str | Path, pairs: str | Path 
         Columns key, mass, inertia, max_int_torque and any of the others of the MGDB and these: max_cont_torque (else
         ``k_t I_nom``), S1, peak, max_int_power, tau_w, tau_h, T_max, I_peak (of the motor; ``k_t I_peak`` is the peak
         torque where none is given), I_nl (``k_t I_nl`` is the Coulomb friction where none is given),
-        max_inertia_ratio, cost. V is the bus voltage where the joint has no drive. current, winding and voltage are the
+        max_inertia_ratio, cost. V is the bus voltage where the joint has no drive. S1 and peak may be there
+        once for each of several bus voltages: "peak@48 V". current, winding and voltage are the
         measures of k_t and currents, of R and L, and of voltage_constant, see `Motor`; without them those of a motor
         with direct current. ``k_t[Nm/A_rms]`` tells the first by its unit. Any other number of `Motor` by its name.
         Rth1 with tau_w is a winding in one node; with Rth2 and tau_h as well, in two; without all time constants the
@@ -69,8 +72,8 @@ def load_catalogue(motors: str | Path, gearboxes: str | Path, pairs: str | Path 
         Columns key, ratio, mass, inertia (at the input), efficiency and any of the others of the MGDB and these: T_N,
         n_N, L_n, T_A (else max_cont_torque), T_R (else max_int_torque), T_M, n_in_av, n_in_max, no_load_torque,
         backdrive_efficiency, life_basis, K1, K2, K3 with T1, T2 (else stiffness), cost, and any other number of
-        `Gearbox` by its name. The type "strain wave", "cycloidal" or "planetary" tells whose rules hold. Speeds
-        are the input's.
+        `Gearbox` by its name; curves and maps are written as other curves, ``speed:torque:efficiency``. The type
+        "strain wave", "cycloidal" or "planetary" tells whose rules hold. Speeds are the input's.
     pairs : str or Path, optional
         Columns motor and gearbox (their keys), and what is measured of both together: viscous_friction,
         coulomb_positive, coulomb_negative and the optional terms of `Friction`, static_positive, static_negative,
@@ -174,9 +177,11 @@ def _motor(row: Row, source: str) -> Motor:
         fields["coulomb_friction"] = k_t * values["I_nl"]
     if "peak_torque" not in fields and not np.isnan(k_t) and "I_peak" in values:
         fields["peak_torque"] = k_t * values["I_peak"]
-    if "continuous_curve" in fields and "continuous_torque" in fields:
+    fields |= _curves_of_voltages(row)
+    has_curve = not fields.keys().isdisjoint(("continuous_curve", "continuous_curves"))
+    if has_curve and "continuous_torque" in fields:
         raise InputError(f"{row.where}, column 'S1': the row has max_cont_torque as well; give one of them")
-    if "continuous_curve" not in fields:
+    if not has_curve:
         torque = fields.pop("continuous_torque", k_t * current)
         if not np.isnan(torque) and "max_cont_speed" in values:
             fields["continuous_curve"] = [[0.0, torque], [values["max_cont_speed"], torque]]
@@ -188,6 +193,15 @@ def _motor(row: Row, source: str) -> Motor:
         fields["thermal_time_constants"] = [values[name] for _, name in nodes]
     motor: Motor = _made(Motor, {"name": row.texts["key"], "source": source}, fields, row, MOTOR_FIELDS)
     return motor
+
+
+def _curves_of_voltages(row: Row) -> dict[str, list[tuple[float, Any]]]:
+    """The curves of columns such as "peak@48 V"."""
+    found: dict[str, list[tuple[float, Any]]] = {}
+    for name, values in row.values.items():
+        if (at := voltage_of(name)) is not None:
+            found.setdefault(CURVES_AT[at[0]], []).append((at[1], values))
+    return found
 
 
 def _gearbox(row: Row, source: str) -> Gearbox:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Mapping
 from typing import Final, NamedTuple
 
 from puma_septic.drives._gearbox import GEARBOX_UNITS
@@ -10,6 +11,7 @@ from puma_septic.drives._motor import MOTOR_UNITS
 
 __all__ = [
     "CURRENCY",
+    "CURVES_AT",
     "GEARBOX",
     "GEARBOX_FIELDS",
     "GEARBOX_TEXTS",
@@ -20,6 +22,8 @@ __all__ = [
     "PAIR",
     "Column",
     "header_parts",
+    "voltage_of",
+    "with_voltages",
 ]
 
 CURRENCY: Final = "a currency"
@@ -46,8 +50,9 @@ _MOTOR: Final[dict[str, Column]] = {
     "max_cont_torque": Column("N m"), "max_int_power": Column("W"), "S1": Column("rad/s:N m"),
     "peak": Column("rad/s:N m"), "tau_w": Column("s"), "tau_h": Column("s"), "T_max": Column("degC"),
     "I_peak": Column("A"), "pole_pairs": Column(""), "current": Column(), "winding": Column(), "voltage": Column(),
-    "max_inertia_ratio": Column(""), "cost": Column(CURRENCY),
-    "source": Column(),
+    "max_inertia_ratio": Column(""), "cost": Column(CURRENCY), "rated_ambient_celsius": Column("degC"),
+    "reference_celsius": Column("degC"), "copper_coefficient": Column("1/K"), "geared_share": Column(""),
+    "altitude_curve": Column("m:"), "source": Column(),
 }  # fmt: skip
 _GEARBOX: Final[dict[str, Column]] = {
     "key": Column(None, True), "manufacturer": Column(), "ID": Column(), "type": Column(), "stages": Column(""),
@@ -58,7 +63,8 @@ _GEARBOX: Final[dict[str, Column]] = {
     "n_in_av": Column("rad/s"), "n_in_max": Column("rad/s"), "L_n": Column("h"), "stiffness": Column("N m/rad"),
     "life_basis": Column(), "K1": Column("N m/rad"), "K2": Column("N m/rad"), "K3": Column("N m/rad"),
     "T1": Column("N m"), "T2": Column("N m"), "no_load_torque": Column("N m"), "backdrive_efficiency": Column(""),
-    "cost": Column(CURRENCY), "source": Column(),
+    "cost": Column(CURRENCY), "impact_curve": Column("1/h:"), "efficiency_map": Column("rad/s:N m:"),
+    "bearing_offset": Column("m"), "source": Column(),
 }  # fmt: skip
 # Texts that are values of a part, by the same name.
 MOTOR_TEXTS: Final = ("current", "winding", "voltage")
@@ -81,6 +87,8 @@ _MOTOR_FIELDS: Final = {
     "max_int_speed": "max_speed", "max_int_power": "peak_power", "T_max": "max_winding_celsius",
     "max_inertia_ratio": "max_inertia_ratio", "peak": "peak_curve", "S1": "continuous_curve",
     "max_cont_torque": "continuous_torque", "L": "inductance", "pole_pairs": "pole_pairs",
+    "rated_ambient_celsius": "rated_ambient_celsius", "reference_celsius": "reference_celsius",
+    "copper_coefficient": "copper_coefficient", "geared_share": "geared_share", "altitude_curve": "altitude_curve",
 }  # fmt: skip
 _GEARBOX_FIELDS: Final = {
     "ratio": "ratio", "mass": "mass", "inertia": "inertia", "efficiency": "efficiency", "cost": "cost",
@@ -88,6 +96,7 @@ _GEARBOX_FIELDS: Final = {
     "n_N": "rated_speed", "L_n": "rated_life_hours", "max_cont_torque": "max_average_torque",
     "max_int_torque": "max_repeated_torque", "T_A": "max_average_torque", "T_R": "max_repeated_torque",
     "T_M": "max_momentary_torque", "n_in_av": "max_average_input_speed", "n_in_max": "max_input_speed",
+    "impact_curve": "impact_curve", "efficiency_map": "efficiency_map", "bearing_offset": "bearing_offset",
 }  # fmt: skip
 MOTOR_FIELDS: Final = _MOTOR_FIELDS | {name: name for name in MOTOR_UNITS if name not in _MOTOR_FIELDS.values()}
 GEARBOX_FIELDS: Final = _GEARBOX_FIELDS | {name: name for name in GEARBOX_UNITS if name not in _GEARBOX_FIELDS.values()}
@@ -106,3 +115,35 @@ def header_parts(text: str) -> tuple[str, str | None]:
     """
     match = _HEADER.match(text)
     return (text.strip(), None) if match is None else (match[1], match[2])
+
+
+CURVES_AT: Final = {"peak": "peak_curves", "S1": "continuous_curves"}
+"""Columns of curves, which may be there once for each of several bus voltages as well, "peak@48 V"."""
+_AT_VOLTAGE: Final = re.compile(r"^(peak|S1) ?@ ?(\d+(?:\.\d+)?) ?V(?: ?DC)?$")
+
+
+def voltage_of(name: str) -> tuple[str, float] | None:
+    """The column that a column of one bus voltage belongs to, and the voltage, V; None for any other.
+
+    Returns
+    -------
+    (str, float) or None
+
+    Examples
+    --------
+    >>> voltage_of("S1@48 V"), voltage_of("S1")
+    (('S1', 48.0), None)
+    """
+    match = _AT_VOLTAGE.match(name)
+    return None if match is None else (match[1], float(match[2]))
+
+
+def with_voltages(columns: Mapping[str, Column], names: Iterable[str]) -> dict[str, Column]:
+    """The columns, and those of bus voltages among the names.
+
+    Returns
+    -------
+    dict of str to Column
+    """
+    found = {name: at for name in names if (at := voltage_of(name)) is not None and at[0] in columns}
+    return {**columns, **{name: columns[kind] for name, (kind, _) in found.items()}}

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, NamedTuple, final
 
-from puma_septic.drives._columns import CURRENCY, Column, header_parts
+from puma_septic.drives._columns import CURRENCY, Column, header_parts, with_voltages
 from puma_septic.drives._units import si_size
 from puma_septic.errors import InputError, did_you_mean, readable
 from puma_septic.files import read_text
@@ -23,7 +23,8 @@ _DELIMITERS: Final = (",", ";", "\t")
 _UNKNOWN: Final = frozenset(
     {"", "nan", "inf", "-", "--", "–", "—", "n/a", "na", "n.a.", "#n/a", "none", "null", "tbd", "t.b.d.", "?", "k.a."}
 )
-_CURVE: Final = "rad/s:"
+# Between the units of the columns of a curve, and between the numbers of one of its rows.
+_BESIDE: Final = ":"
 # A number, and behind it a unit or a tolerance.
 _NUMBER: Final = re.compile(r"^([+-]?(?:\d[\d' \u00a0\u202f.,]*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*(.*)$")
 _TOLERANCE: Final = re.compile(r"\s*(?:±|\+/-|\+-)\s*[\d.,]+\s*%?\s*$")
@@ -78,6 +79,7 @@ def read_table(path: Path, columns: Mapping[str, Column]) -> PartTable:
     if not lines:
         raise InputError(f"{path}: no header; expected columns {', '.join(columns)}")
     number, cells = lines[0]
+    columns = with_voltages(columns, [header_parts(cell.lstrip("\ufeff"))[0] for cell in cells])
     header = _header(f"{path}, row {number}", cells, columns)
     rows, refused = [], []
     for number, cells in lines[1:]:
@@ -137,23 +139,33 @@ def _checked_unit(where: str, name: str, unit: str, target: str | None) -> None:
     try:
         if target is None:
             raise ValueError(f"unknown unit {unit!r}; it is text and has none")
-        _size(unit, target)
+        _checked_size(unit, target)
     except ValueError as error:
         raise InputError(f"{where}: column {name!r}: {error}") from error
 
 
+def _checked_size(unit: str, target: str) -> None:
+    """Raise a ValueError for a unit that is none of the quantity."""
+    if _BESIDE in target:
+        _sizes(unit, target)
+    else:
+        _size(unit, target)
+
+
 def _size(unit: str, target: str) -> float:
-    """Of a curve the size of its speeds; its torques must be in N m."""
     if target == CURRENCY:
         if unit == "%":
             raise ValueError("unknown unit '%'; expected a currency")
         return 1.0
-    if not target.startswith(_CURVE):
-        return si_size(unit, target)
-    speed, _, torque = unit.partition(":")
-    if si_size(torque, "N m") != 1:
-        raise ValueError(f"unknown unit {unit!r}; the torques of a curve are in N m")
-    return si_size(speed, "rad/s")
+    return si_size(unit, target)
+
+
+def _sizes(unit: str, target: str) -> list[float]:
+    """Of each column of a curve."""
+    units, targets = unit.split(_BESIDE), target.split(_BESIDE)
+    if len(units) != len(targets):
+        raise ValueError(f"unknown unit {unit!r}; expected those of {target}")
+    return [si_size(*both) for both in zip(units, targets, strict=True)]
 
 
 def _row(where: str, cells: list[str], header: list[_Header], columns: Mapping[str, Column], has_commas: bool) -> Row:
@@ -181,13 +193,13 @@ def _row(where: str, cells: list[str], header: list[_Header], columns: Mapping[s
 
 
 def _expected(target: str) -> str:
-    return "a curve such as '0:0.5; 300:0.4'" if target.startswith(_CURVE) else "a number"
+    return "a curve such as '0:0.5; 300:0.4'" if _BESIDE in target else "a number"
 
 
 def _value(text: str, unit: str | None, target: str, has_commas: bool) -> Any:
     """A cell in SI units."""
-    if target.startswith(_CURVE):
-        return _curve(text, 1.0 if unit is None else _size(unit, target), has_commas)
+    if _BESIDE in target:
+        return _curve(text, _sizes(target if unit is None else unit, target), has_commas)
     match = _NUMBER.match(_TOLERANCE.sub("", text))
     if match is None:
         raise ValueError
@@ -220,7 +232,8 @@ def _number(text: str, has_commas: bool) -> float:
     return float(plain)
 
 
-def _curve(text: str, scale: float, has_commas: bool) -> list[list[float]]:
-    pairs = [pair.split(":") for pair in re.split(r"[;|]", text) if pair.strip()]
-    points = [[_number(number.strip(), has_commas) for number in pair] for pair in pairs]
-    return [[speed * scale, torque] for speed, torque in points]
+def _curve(text: str, sizes: list[float], has_commas: bool) -> list[list[float]]:
+    rows = [row.split(_BESIDE) for row in re.split(r"[;|]", text) if row.strip()]
+    return [
+        [_number(number.strip(), has_commas) * size for number, size in zip(row, sizes, strict=True)] for row in rows
+    ]

@@ -89,6 +89,48 @@ def test_curves_and_thermal_nodes(tmp_path: Path) -> None:
     assert unknown.thermal_resistances.tolist() == [1.5, 3.0]  # what they tell alone is used
 
 
+def test_curves_of_several_bus_voltages(tmp_path: Path) -> None:
+    """Only one curve of a motor could be entered, whatever the bus."""
+    motors = (
+        "key,mass,inertia,max_int_torque,S1@24 V[rpm:Nm],S1@48V[rpm:Nm],peak@48 V DC,peak@24 V\n"
+        "M,1,1e-4,2,0:0.5;1500:0.4,0:0.5;3000:0.4,0:2;400:1,0:2|200:1\nN,1,1e-4,2,,0:0.5;3000:0.4,,\n"
+    )
+    both, one = read(tmp_path, motors=motors).motors
+    assert [volts for volts, _ in both.peak_curves] == [volts for volts, _ in both.continuous_curves] == [24.0, 48.0]
+    assert both.peak_curve_at(30.0)[-1].tolist() == [200.0, 1.0]
+    assert both.continuous_torque_at(75 * np.pi, bus_voltage=48.0) == pytest.approx(0.425)
+    assert both.continuous_torque_at(75 * np.pi, bus_voltage=30.0) == 0.0
+    assert [volts for volts, _ in one.continuous_curves] == [48.0]
+    assert one.peak_curves == ()
+    twice = motors.replace("max_int_torque", "max_cont_torque")
+    assert "column 'max_int_torque' is missing" in complaint(tmp_path, motors=twice)
+    twice = motors.replace("max_int_torque", "max_int_torque,max_cont_torque").replace(",2,", ",2,0.3,")
+    assert "column 'S1': the row has max_cont_torque as well" in complaint(tmp_path, motors=twice)
+
+
+def test_what_is_derated_and_maps(tmp_path: Path) -> None:
+    """Ambient, altitude, a gearbox at the flange, impact and maps of efficiency were values of Python alone."""
+    motors = (
+        "key,mass,inertia,max_int_torque,rated_ambient_celsius[°C],geared_share[%],altitude_curve[m:%],"
+        "copper_coefficient[1/K],reference_celsius\nM,1,1e-4,2,25,85,1000:100;3000:80,0.0039,25\n"
+    )
+    gears = (
+        "key,type,ratio,mass,inertia,efficiency,impact_curve,efficiency_map[rpm:Nm:%],bearing_offset[mm]\n"
+        "G,planetary,10,1,1e-5,,1000:1;3000:1.5,1000:10:80;1000:20:90,18\n"
+    )
+    catalogue = read(tmp_path, motors=motors, gears=gears)
+    assert catalogue.refused == catalogue.unused == ()
+    (motor,), (gear,) = catalogue.motors, catalogue.gearboxes
+    assert (motor.rated_ambient_celsius, motor.reference_celsius, motor.copper_coefficient) == (25.0, 25.0, 0.0039)
+    assert motor.geared_share == pytest.approx(0.85)
+    assert motor.altitude_curve == pytest.approx(np.array([[1000.0, 1.0], [3000.0, 0.8]]))
+    assert gear.impact_factor(1.8) == pytest.approx(1.25)  # 2000 an hour
+    assert gear.efficiency_map == pytest.approx(np.array([[100 * np.pi / 3, 10, 0.8], [100 * np.pi / 3, 20, 0.9]]))
+    assert gear.bearing_offset == pytest.approx(0.018)
+    wrong = complaint(tmp_path, gears=gears.replace("[rpm:Nm:%]", "[rpm:Nm]"))
+    assert "column 'efficiency_map': unknown unit 'rpm:Nm'; expected those of rad/s:N m:" in wrong
+
+
 @pytest.mark.parametrize(
     ("motors", "message"),
     [

@@ -56,6 +56,7 @@ _CAUSES: Final = {
     "motion": BLUE,
     "coriolis": SKY,
     "gravity": GREEN,
+    "gears": ORANGE,
     "rotor": PURPLE,
     "viscous": ORANGE,
     "coulomb": VERMILION,

@@ -41,6 +41,10 @@ _RPM: Final = 60 / (2 * np.pi)
 _SOLID, _SECOND = Line(hue=PROFILES[0], width=1.5), Line(hue=PROFILES[1], width=1.5)
 _HOUSING, _BEYOND = Line(hue=PROFILES[5], width=1.5), Line(hue=FAINT, width=1.5)
 _DOT: Final = Dot(shape="dot", hue=PROFILES[1])
+_VOLTAGE, _CURRENT = Line(hue=PROFILES[4], width=1.2), Line(hue=PROFILES[3], dash=(2.4, 2.0), width=1.2)
+# Speeds at which the line of the voltage is computed; and how far above all else it, and that of the current, is drawn.
+_SPEEDS: Final = 201
+_ABOVE: Final = 1.6
 # Ratios drawn, from a fifth of the own one to five times it.
 _RATIOS: Final = np.geomspace(0.2, 5.0, 121)
 _KEPT, _CLOSE, _VIOLATED = Fill(hue=PROFILES[0]), Fill(hue=PROFILES[4]), Fill(hue=PROFILES[1])
@@ -68,8 +72,13 @@ def torque_speed_picture(sizing: Sizing) -> Picture:
         "RMS torque at mean speed": _DOT,
         "for a short time": LIMIT,
         "continuous (S1)": DOTTED,
+        "bus voltage, winding at its warmest": _VOLTAGE,
+        "peak current of the drive": _CURRENT,
     }
     panels = [_torque_speed_panel(name, d) for name, d in _joints(sizing)]
+    drawn = {curve.line for panel in panels for curve in panel.curves}
+    drawn |= {rule.line for panel in panels for rule in panel.levels}
+    legend = {label: style for label, style in legend.items() if style not in (_VOLTAGE, _CURRENT) or style in drawn}
     return _picture("torque-speed", "Motor torque vs. speed", panels, legend)
 
 
@@ -92,9 +101,12 @@ def _torque_speed_panel(joint: str, d: Demands) -> Panel:
         elif not np.isnan(torque_limit):
             rules += [Rule(at=sign * torque_limit, line=line) for sign in (1, -1)]
     is_known = np.isfinite(d.rms_torque)
+    top = _ABOVE * max(float(np.abs(curve.y).max()) for curve in (cycle, *envelopes))
+    end = max(float(np.abs(curve.x).max()) for curve in (cycle, *envelopes))
+    rules += _current_rules(d, top)
     return chart(
         "still",
-        [cycle, *envelopes],
+        [cycle, *envelopes, *_voltage_lines(d, end, top)],
         title=joint,
         x_label="motor speed [1/min]",
         y_label="motor torque [N m]",
@@ -102,6 +114,30 @@ def _torque_speed_panel(joint: str, d: Demands) -> Panel:
         levels=rules,
         remark="" if envelopes or rules else "no torque limit known",
     )
+
+
+def _voltage_lines(d: Demands, end: float, top: float) -> list[Curve]:
+    """Torques at which the terminals have the bus voltage, up to a speed in 1/min and a torque in N m.
+
+    ``(R i + k_e w)^2 + (X w i)^2 = V^2``, as `Winding` has it; a drive that weakens the field has no such line.
+    """
+    motor, volts = d.train.motor, d.train.drive.bus_voltage
+    if not d.electric.is_known or np.isnan(volts) or d.electric.weakens_field:
+        return []
+    warmest = float(d.electric.resistance.extrema().max[0])
+    w = np.linspace(-end, end, _SPEEDS) / _RPM
+    impedance = warmest**2 + (motor.reactance_constant * w) ** 2
+    across = warmest * motor.back_emf * w
+    with np.errstate(divide="ignore", invalid="ignore"):
+        root = np.sqrt(across**2 - impedance * ((motor.back_emf * w) ** 2 - volts**2))
+        torques = [motor.dc_torque_constant * (sign * root - across) / impedance for sign in (1, -1)]
+    within = [np.abs(torque) <= top for torque in torques]
+    return [Curve(x=w[k] * _RPM, y=t[k], line=_VOLTAGE) for k, t in zip(within, torques, strict=True) if k.any()]
+
+
+def _current_rules(d: Demands, top: float) -> list[Rule]:
+    torque = d.train.drive.peak_current * d.train.motor.torque_constant
+    return [Rule(at=sign * torque, line=_CURRENT) for sign in (1, -1)] if torque <= top else []
 
 
 def _corners(curve: Array, torque: float, top: float) -> tuple[Array, Array] | None:

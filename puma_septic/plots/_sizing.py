@@ -92,7 +92,7 @@ def plot_sizing_torque_split(
     joints: str | Sequence[str] | None = None,
     ax: OnAxes | None = None,
 ) -> Figure:
-    """Draw the RMS torque at each joint by cause, as bars: gravity, motion, rotor, friction.
+    """Draw the RMS torque at each joint by cause, as bars: gravity, motion, losses of the gears, rotor, friction.
 
     Each cause is a root mean square of its own; they do not add up to that of the sum.
 

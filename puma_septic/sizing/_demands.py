@@ -22,7 +22,7 @@ from puma_septic.sizing._gearbox import (
     expected_life,
     lives,
 )
-from puma_septic.sizing._loads import JointLoad, MotorLoad
+from puma_septic.sizing._loads import JointLoad, MotorLoad, torque_by_cause
 from puma_septic.sizing._torque_speed import torque_at_speed
 from puma_septic.sizing._winding import Regeneration, energies, regeneration
 from puma_septic.validation import Array, FrozenMap, frozen
@@ -122,14 +122,8 @@ class Demands:
 
     @cached_property
     def rms_by_cause(self) -> Mapping[str, float]:
-        """Root mean squares at the joint, N m: gravity and motion of the links, rotor, friction."""
-        ratio = self.train.ratio
-        parts = {
-            "gravity": self.load.gravity,
-            "motion": self.load.torque - self.load.gravity,
-            "rotor": self.motor.parts["rotor"] * ratio,
-            "friction": self.motor.parts["friction"] * ratio,
-        }
+        """Root mean squares at the joint, N m, see `torque_by_cause`."""
+        parts = torque_by_cause(self.load, self.train, self.motor)
         return FrozenMap({name: float(f.rms()[0]) for name, f in parts.items()})
 
     @cached_property

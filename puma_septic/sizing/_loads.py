@@ -16,7 +16,7 @@ from puma_septic.friction import ROUNDING, resolved
 from puma_septic.piecewise import Piecewise
 from puma_septic.validation import Array, freeze_fields
 
-__all__ = ["JointLoad", "MotorLoad", "gear_loss", "gearbox_load", "joint_load", "motor_load"]
+__all__ = ["JointLoad", "MotorLoad", "gear_loss", "gearbox_load", "joint_load", "motor_load", "torque_by_cause"]
 
 
 def gear_loss(gearbox: Gearbox, torque: Piecewise, speed: Piecewise, direction: Array) -> Piecewise:
@@ -318,3 +318,30 @@ def motor_load(load: JointLoad, train: Drivetrain) -> MotorLoad:
         parts=parts,
         unbounded=load.unbounded,
     )
+
+
+def torque_by_cause(load: JointLoad, train: Drivetrain, motor: MotorLoad) -> dict[str, Piecewise]:
+    """Parts of the motor's torque at the gearbox's output, N m; they sum to it where no brake carries the load.
+
+    "gravity" and "motion" of the links, as if all gears were lossless; "gears", what their efficiency (and a stage's)
+    takes or, where the load drives, gives; "rotor", with all that turns with it; "friction".
+
+    Returns
+    -------
+    dict of str to Piecewise
+    """
+    lossless, turning, rubbing = load.torque, load.torque * 0.0, load.torque * 0.0
+    if train.stage is not None and load.slide is not None:
+        k = train.stage.reduction
+        lossless = (load.slide.torque * (1 / k)).aligned_with(load.torque)
+        turning = load.acceleration * float(np.nan_to_num(train.stage.inertia))
+        friction = float(np.nan_to_num(train.stage.friction_force)) / k
+        rubbing = load.torque.stepwise((load.velocity_sign * friction)[:, None])
+    carried = (lossless + turning + rubbing).by_interval(~load.braked)
+    return {
+        "gravity": load.gravity,
+        "motion": lossless - load.gravity,
+        "gears": motor.parts["load"] * train.ratio - carried,
+        "rotor": motor.parts["rotor"] * train.ratio + turning,
+        "friction": motor.parts["friction"] * train.ratio + rubbing,
+    }

@@ -20,7 +20,7 @@ Table = tuple[list[str], list[list[Cell]]]
 _RPM: Final = 60 / (2 * pi)
 # A cause computed as a difference is rounding where it is below this part of the sum of causes.
 _ROUNDING: Final = 1e-12
-_CAUSES: Final = ("gravity", "motion", "rotor", "friction")
+_CAUSES: Final = ("gravity", "motion", "gears", "rotor", "friction")
 _DEMANDS: Final = (
     "Load: at the gearbox's output. Causes: RMS at the joint. Torques in N m (prismatic joints: load in N), speeds in"
     " 1/min; work: mechanical, in J"

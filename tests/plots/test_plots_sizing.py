@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import puma_septic as ps
-from puma_septic.pictures.sizing import sizing_pictures
+from puma_septic.pictures.sizing import sizing_pictures, torque_speed_picture
 
 RPM = 60 / (2 * np.pi)
 
@@ -50,9 +50,28 @@ def test_torque_over_speed_stays_in_its_envelope() -> None:
         x, y = line(panel, 1)
         assert x.max() == pytest.approx(d.train.motor.peak_curve[-1, 0] * RPM)
         assert y.max() == -y.min() == d.train.motor.peak_curve[0, 1]
-        dot = line(panel, 3)
+        dot = next(one.get_data() for one in panel.lines if len(one.get_xdata()) == 1)
         assert (dot[0][0], dot[1][0]) == (d.mean_speed * RPM, d.rms_torque)
-    assert texts(figure) == {"cycle", "RMS torque at mean speed", "for a short time", "continuous (S1)"}
+    voltage = "bus voltage, winding at its warmest"
+    assert texts(figure) == {"cycle", "RMS torque at mean speed", "for a short time", "continuous (S1)", voltage}
+
+
+def test_the_line_of_the_bus_voltage_and_the_drive_s_peak_current() -> None:
+    """Both limits were checked, and not drawn."""
+    motor = ps.Motor(rotor_inertia=1e-4, torque_constant=0.1, resistance=0.5, pole_pairs=4, inductance=5e-4)
+    drive = ps.Drive(bus_voltage=8.0, peak_current=0.1)
+    train = ps.Drivetrain(motor=motor, gearbox=ps.Gearbox(ratio=100.0, efficiency=0.8), drive=drive)
+    sizing = ps.size(own().cycle, drivetrains=[train] * 6)
+    (panel, *_) = torque_speed_picture(sizing).panels
+    lines = [curve for curve in panel.curves if curve.line == panel.curves[-1].line]
+    for speed, torque in ((curve.x / RPM, curve.y) for curve in lines):
+        current = torque / 0.1
+        voltage = np.hypot(0.5 * current + 0.1 * speed, 4 * 5e-4 * speed * current)
+        np.testing.assert_allclose(voltage, 8.0, rtol=1e-12)
+    assert len(lines) == 2
+    assert sorted(rule.at for rule in panel.levels) == pytest.approx([-0.01, 0.01])
+    told = {"bus voltage, winding at its warmest", "peak current of the drive"}
+    assert told <= texts(ps.plots.plot_torque_speed(sizing))
 
 
 def test_the_limit_of_the_whole_actuator_is_drawn_at_the_motor() -> None:
@@ -108,7 +127,7 @@ def test_split_of_several_cycles() -> None:
     figure = ps.plots.plot_sizing_torque_split([own(), own(loaded=True)], labels=["empty", "loaded"])
     gravity = [bar.get_width() for bar in figure.axes[1].containers[0]]
     assert gravity == [one.demands[1].rms_by_cause["gravity"] for one in (own(), own(loaded=True))]
-    assert texts(figure) == {"gravity", "motion", "rotor", "friction"}
+    assert texts(figure) == {"gravity", "motion", "gears", "rotor", "friction"}
     with pytest.raises(ps.InputError, match="2 texts are needed"):
         ps.plots.plot_sizing_torque_split([own(), own()], labels=["one"])
     with pytest.raises(ps.InputError, match="got none"):

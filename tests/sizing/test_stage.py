@@ -12,6 +12,7 @@ import puma_septic as ps
 from puma_septic.limit_check import LimitCheck
 from puma_septic.piecewise import Piecewise
 from puma_septic.sizing._checks import assess_joint
+from puma_septic.sizing._loads import torque_by_cause
 
 # Closed forms: what differs is rounding.
 EXACT = 1e-12
@@ -171,3 +172,26 @@ def test_an_effort_limit_of_a_sliding_joint_is_a_force(lift: ps.Cycle) -> None:
 def test_what_no_stage_is_is_refused(values: dict, message: str) -> None:
     with pytest.raises(ps.InputError, match=message):
         ps.LinearStage(**values)
+
+
+def test_the_causes_of_a_torque_sum_to_it() -> None:
+    """Gravity, motion, rotor and friction were told, and not what the gears take: a tenth at a UR5's shoulder."""
+    breaks = [0.0, 1.0, 2.0]
+    slide = slide_load([400.0, -250.0], [0.1, 0.3, 0.1], [2.0, -2.0], breaks)
+    stage = ps.LinearStage(
+        kind="screw", travel_per_turn=0.02, efficiency=0.9, backward_efficiency=0.8, inertia=2e-5, friction_force=12.0
+    )
+    gearbox = ps.Gearbox(ratio=5.0, efficiency=0.8, backward_efficiency=0.7, inertia=1e-6, no_load_torque=0.02)
+    motor = ps.Motor(rotor_inertia=3e-5, viscous_friction=1e-4, coulomb_friction=0.01)
+    train = ps.Drivetrain(motor=motor, gearbox=gearbox, stage=stage)
+    behind = ps.sizing.gearbox_load(slide, train)
+    found = ps.sizing.motor_load(behind, train)
+    parts = torque_by_cause(behind, train, found)
+    k, t = 0.02 / (2 * np.pi), np.array([0.3, 1.6])
+    whole = sum(part(t)[:, 0] for part in parts.values())
+    assert whole == pytest.approx(5.0 * found.torque(t)[:, 0], rel=EXACT)
+    # Forward 400 N k / 0.9 / 0.8 and the stage's friction and inertia, both through the gears.
+    more = 12.0 * k + 2e-5 * 2.0 / k
+    expected = (400.0 * k / 0.9 + more) / 0.8 - 400.0 * k - more
+    assert parts["gears"](0.3)[0] == pytest.approx(expected, rel=EXACT)
+    assert parts["friction"](0.3)[0] == pytest.approx(12.0 * k + 5.0 * (0.03 + 1e-4 * found.speed(0.3)[0]), rel=EXACT)

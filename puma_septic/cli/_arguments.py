@@ -150,12 +150,15 @@ _NUMBERS = {
     "peak_current": (positive, "A", "of each drive, for a short time"),
     "continuous_power": (positive, "W", "that each drive can deliver, on average"),
     "peak_power": (positive, "W", "that each drive can deliver for a short time"),
+    "peak_regenerated_power": (positive, "W", "that each drive can take back at most"),
     "brake_resistor_power": (positive, "W", "that each brake resistor bears"),
     "momentary_torque": (positive, "NM", "of a collision, at the gearboxes' outputs"),
+    "emergency_stops": (positive, "N", "collisions or emergency stops in the life of gearboxes and brakes"),
+    "emergency_duration": (positive, "S", "how long one of them lasts"),
     "required_life_hours": (positive, "H", "that the gearboxes are to last"),
     "max_inertia_ratio": (positive, "X", "largest ratio of load to rotor inertia that is accepted"),
 }
-CONDITIONS = (*_NUMBERS, "brake_at_rest", "margins", "own_masses")
+CONDITIONS = (*_NUMBERS, "brake_at_rest", "with_brake", "stages", "margins", "own_masses")
 """The options that replace what a task's section `conditions` says."""
 
 
@@ -166,6 +169,18 @@ def add_conditions(parser: ArgumentParser) -> None:
         group.add_argument(f"--{name.replace('_', '-')}", type=kind, metavar=metavar, help=meaning)
     group.add_argument(
         "--brake-at-rest", action="store_true", default=None, help="brakes hold the arm while it rests, not the motors"
+    )
+    group.add_argument(
+        "--with-brake", action="store_true", default=None, help="motors with their holding brakes, used at rest or not"
+    )
+    group.add_argument(
+        "--stage",
+        dest="stages",
+        action="append",
+        type=_stage,
+        metavar="JOINT:KEY=VALUE,...",
+        help="screw, rack or belt of a sliding joint, in SI units: lift:kind=screw,travel_per_turn=0.02,efficiency=0.9"
+        " (repeatable)",
     )
     group.add_argument(
         "--margin",
@@ -186,6 +201,17 @@ def add_conditions(parser: ArgumentParser) -> None:
         "--own-masses", nargs="+", type=not_negative, metavar="KG",
         help="with --masses: of the drives that the robot's model includes already, one for each joint",
     )  # fmt: skip
+
+
+def _stage(text: str) -> tuple[str, dict[str, str | float]]:
+    joint, colon, rest = text.partition(":")
+    values: dict[str, str | float] = {}
+    for part in rest.split(","):
+        key, equals, value = (one.strip() for one in part.partition("="))
+        if not (joint.strip() and colon and key and equals and value):
+            raise ArgumentTypeError(f"{text!r} is not JOINT:KEY=VALUE,...")
+        values[key] = value if key in ("kind", "name") else finite(value)
+    return joint.strip(), values
 
 
 def _margin(text: str) -> tuple[str, float]:

@@ -179,8 +179,7 @@ def _asked_cycle(task: Task, arguments: Namespace) -> _Asked:
 
 def _asked_conditions(arguments: Namespace) -> dict[str, Any]:
     asked = {name: getattr(arguments, name) for name in CONDITIONS if getattr(arguments, name) is not None}
-    if "margins" in asked:
-        asked["margins"] = dict(asked["margins"])
+    asked |= {name: dict(asked[name]) for name in ("margins", "stages") if name in asked}
     supply = {
         "max_current": arguments.supply_current, "peak_power": arguments.supply_power,
         "bus_voltage": arguments.bus_voltage,

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from puma_septic.drives import Drive, Drivetrain, Gearbox, Motor
+from puma_septic.drives import Drive, Drivetrain, Gearbox, LinearStage, Motor
 from puma_septic.errors import InputError, ModelError
 from puma_septic.robot._model import Robot
 from puma_septic.robot._names import data_folder
@@ -16,12 +16,13 @@ from puma_septic.robot._toml_text import read_toml, table
 
 __all__ = ["load_drivetrains", "load_electronics", "own_drivetrains"]
 
-_PARTS: Final[dict[str, Any]] = {"motor": Motor, "gearbox": Gearbox, "drive": Drive}
+_PARTS: Final[dict[str, Any]] = {"motor": Motor, "gearbox": Gearbox, "drive": Drive, "stage": LinearStage}
 # What the robot itself may know: it must then not be told twice.
 _FROM_ROBOT: Final[dict[str, tuple[str, ...]]] = {
     "motor": ("rotor_inertia", "viscous_friction", "coulomb_friction"),
     "gearbox": ("ratio", "efficiency", "backward_efficiency", "no_load_torque"),
     "drive": (),
+    "stage": (),
 }
 
 
@@ -58,7 +59,8 @@ def _limited(robot: Robot, j: int, train: Drivetrain) -> Drivetrain:
             f" actuators=... or drivetrains=..., or in a drives file: [joints.{joint}.gearbox] ratio"
         )
     motor, gearbox, name = train.motor, train.gearbox, f"{robot.name} {joint}"
-    fastest = float(robot.limits.velocity[j]) * train.ratio
+    reduction = 1.0 if train.stage is None else train.stage.reduction
+    fastest = float(robot.limits.velocity[j]) * reduction * train.ratio
     return replace(
         train,
         motor=replace(motor, name=motor.name or name, max_speed=_first_known(motor.max_speed, fastest)),
@@ -78,10 +80,11 @@ def load_drivetrains(robot: Robot, path: str | Path | None = None) -> tuple[Driv
     ----------
     robot : Robot
     path : str or Path, optional
-        TOML with tables ``[joints.NAME.motor]``, ``.gearbox`` and ``.drive``, whose keys are those of `Motor`,
-        `Gearbox` and `Drive` and whose values are tables ``{ value = ..., source = "..." }``. What the robot knows
-        itself, such as its gear ratios, is not told again; of a robot that is only a URDF the file tells it. By default
-        the file that comes with a robot of this package; without one, what the robot itself tells.
+        TOML with tables ``[joints.NAME.motor]``, ``.gearbox``, ``.drive`` and, of a sliding joint, ``.stage``. Their
+        keys are those of `Motor`, `Gearbox`, `Drive` and `LinearStage`, their values tables ``{ value = ..., source =
+        "..." }``. What the robot knows itself, such as its gear ratios, is not told again; of a robot that is only a
+        URDF the file tells it. By default the file that comes with a robot of this package; without one, what the robot
+        itself tells.
 
     Returns
     -------
@@ -107,7 +110,7 @@ def load_drivetrains(robot: Robot, path: str | Path | None = None) -> tuple[Driv
 
 
 def load_electronics(robot: Robot, path: str | Path) -> tuple[Drivetrain, ...]:
-    """What the joints have whatever the motors and gears: the drive tables of a file, see `load_drivetrains`.
+    """What the joints have whatever the motors and gears: drive and stage tables of a file, see `load_drivetrains`.
 
     Returns
     -------
@@ -119,7 +122,8 @@ def load_electronics(robot: Robot, path: str | Path) -> tuple[Drivetrain, ...]:
     ModelError
         For a file that is missing or malformed, with the joint and key.
     """
-    return tuple(Drivetrain(gearbox=Gearbox(ratio=1.0), drive=train.drive) for train in _told(robot, Path(path)))
+    told = _told(robot, Path(path))
+    return tuple(Drivetrain(gearbox=Gearbox(ratio=1.0), drive=train.drive, stage=train.stage) for train in told)
 
 
 def _told(robot: Robot, file: Path) -> tuple[Drivetrain, ...]:
@@ -157,9 +161,12 @@ def _completed(train: Drivetrain, parts: object, where: str) -> Drivetrain:
         for key, entry in table(entries, f"{where}, {part}", valid).items():
             values[key], source = _sourced(entry, f"{where}, {part} {key}")
             sources.append(f"{key}: {source}")
+        source = "; ".join(filter(None, ["" if own is None else own.source, *sources]))
         try:
-            changed[part] = replace(own, **values, source="; ".join(filter(None, [own.source, *sources])))
-        except InputError as error:
+            changed[part] = (
+                _PARTS[part](**values, source=source) if own is None else replace(own, **values, source=source)
+            )
+        except (InputError, TypeError) as error:
             raise ModelError(f"{where}, {part}: {error}") from error
     return replace(train, **changed)
 

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from puma_septic.document import plain
-from puma_septic.drives import Drivetrain, Gearbox, Motor, Supply
+from puma_septic.drives import Drivetrain, Gearbox, LinearStage, Motor, Supply
 from puma_septic.errors import InputError
 from puma_septic.limit_check import AT_LIMIT, LimitCheck
 from puma_septic.sizing._checks import DRIVE_LIMITS
-from puma_septic.validation import Array, FrozenMap, checked_array, checked_number, n_dimensions
+from puma_septic.validation import Array, FrozenMap, checked_array, checked_choice, checked_number, n_dimensions
 
 __all__ = ["Conditions"]
 
@@ -24,7 +24,7 @@ _OF_PLACE: Final = {
     "altitude": "m", "momentary_torque": "N m", "emergency_stops": "", "emergency_duration": "s",
     "required_life_hours": "h", "max_inertia_ratio": "",
 }  # fmt: skip
-_NO_NUMBERS: Final = ("margins", "supply")
+_NO_NUMBERS: Final = ("margins", "supply", "stages", "with_brake")
 _OF_DRIVE: Final = {
     "bus_voltage": "V", "continuous_current": "A", "peak_current": "A", "continuous_power": "W", "peak_power": "W",
     "peak_regenerated_power": "W", "brake_resistor_power": "W",
@@ -56,6 +56,10 @@ class Conditions:
         Operating hours that the gearboxes are to last.
     max_inertia_ratio : array_like
         Largest accepted ratio of the load's inertia, gears included, to the rotor's.
+    with_brake : bool
+        Motors are taken with their holding brakes, also where no brake holds the arm at rest.
+    stages : mapping of str to LinearStage
+        Screw, rack or belt between the gearbox and a sliding joint, by joint.
     supply : Supply, optional
         That all drives share.
     margins : float or mapping of str to float
@@ -88,6 +92,8 @@ class Conditions:
     emergency_duration: ArrayLike = np.nan
     required_life_hours: ArrayLike = np.nan
     max_inertia_ratio: ArrayLike = np.nan
+    with_brake: bool = False
+    stages: Mapping[str, LinearStage] = field(default_factory=dict)
     supply: Supply | None = None
     margins: Mapping[str, float] | float = field(default_factory=dict)
 
@@ -102,6 +108,10 @@ class Conditions:
                 object.__setattr__(self, one.name, array)
         if self.supply is not None and not isinstance(self.supply, Supply):
             raise InputError(f"supply: expected a Supply, got {type(self.supply).__name__}")
+        for joint, stage in self.stages.items():
+            if not isinstance(stage, LinearStage):
+                raise InputError(f"stages: joint {joint!r}: expected a LinearStage, got {type(stage).__name__}")
+        object.__setattr__(self, "stages", FrozenMap(self.stages))
         object.__setattr__(self, "margins", _checked_margins(self.margins))
 
     def margin(self, kind: str, quantity: str) -> float:
@@ -120,7 +130,13 @@ class Conditions:
     def places(self, names: Sequence[str], given: Sequence[Drivetrain] | None) -> tuple[Drivetrain, ...]:
         """What each joint has whatever the parts: the drive trains given, with these conditions."""
         trains = [Drivetrain(motor=Motor(), gearbox=Gearbox(ratio=1.0)) for _ in names] if given is None else given
-        return tuple(self.applied(train, j, len(names)) for j, train in enumerate(trains))
+        for joint in self.stages:
+            checked_choice("joint of stages", joint, names)
+        staged = [
+            replace(train, stage=self.stages.get(name, train.stage), with_brake=train.with_brake or self.with_brake)
+            for name, train in zip(names, trains, strict=True)
+        ]
+        return tuple(self.applied(train, j, len(names)) for j, train in enumerate(staged))
 
     def applied(self, train: Drivetrain, j: int, n_joints: int) -> Drivetrain:
         """A joint's drive train under these conditions."""
@@ -143,9 +159,24 @@ class Conditions:
     def to_dict(self) -> dict[str, Any]:
         """What is asked for, JSON-ready; what is not is left out."""
         values = {one.name: getattr(self, one.name) for one in fields(self)}
-        supply = {} if self.supply is None else {"supply": self.supply.name or "a shared bus"}
-        numbers = {name: plain(value) for name, value in values.items() if name != "supply" and not _is_unasked(value)}
-        return {**numbers, **supply}
+        numbers = {
+            name: plain(value)
+            for name, value in values.items()
+            if name not in ("supply", "stages", "with_brake") and not _is_unasked(value)
+        }
+        others: dict[str, Any] = {
+            "with_brake": self.with_brake,
+            "stages": {joint: _told(stage) for joint, stage in self.stages.items()},
+            "supply": "" if self.supply is None else self.supply.name or "a shared bus",
+        }
+        return {**numbers, **{name: value for name, value in others.items() if value}}
+
+
+def _told(stage: LinearStage) -> str:
+    """A stage in a document: its kind, and what is known of it in SI units."""
+    values = {one.name: getattr(stage, one.name) for one in fields(stage) if one.name != "source"}
+    known = [f"{name} {value:g}" for name, value in values.items() if isinstance(value, float) and not np.isnan(value)]
+    return ", ".join([*filter(None, (stage.kind, stage.name)), *known])
 
 
 def _unit(name: str) -> str:

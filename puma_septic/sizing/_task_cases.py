@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from puma_septic.cycle import Cycle, Dwell, with_return
-from puma_septic.drives import Supply
+from puma_septic.drives import LinearStage, Supply
 from puma_septic.errors import InputError
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.robot import Payload, Robot
@@ -35,7 +35,10 @@ def conditions_of(section: ConditionsSection | None) -> Conditions:
     if section is None:
         return Conditions()
     supply = None if section.supply is None else Supply(**section.supply.model_dump(exclude_none=True))
-    return Conditions(**section.model_dump(exclude_none=True, exclude={*_OF_THE_CYCLE, "supply"}), supply=supply)
+    given = (section.stages or {}).items()
+    stages = {joint: LinearStage(**stage.model_dump(exclude_none=True)) for joint, stage in given}
+    others = section.model_dump(exclude_none=True, exclude={*_OF_THE_CYCLE, "supply", "stages"})
+    return Conditions(**others, stages=stages, supply=supply)
 
 
 def load_cases_of(resolved: ResolvedTask, *, one_way: bool = False) -> tuple[LoadCase, ...]:

@@ -45,6 +45,21 @@ class SupplySection(Section):
 
 
 @final
+class StageSection(Section):
+    """Screw, rack or belt of a sliding joint; see `puma_septic.drives.LinearStage`."""
+
+    kind: Literal["screw", "rack", "belt"]
+    travel_per_turn: Positive
+    name: Text = ""
+    efficiency: Positive | None = None
+    backward_efficiency: NotNegative | None = None
+    inertia: NotNegative | None = None
+    friction_force: NotNegative | None = None
+    max_force: Positive | None = None
+    max_speed: Positive | None = None
+
+
+@final
 class ConditionsSection(Section):
     """What drives are held to besides the motion; see `puma_septic.sizing.Conditions`.
 
@@ -54,6 +69,10 @@ class ConditionsSection(Section):
         The rest of the time after the moves is rest, in equal parts after each.
     brake_at_rest : bool
         Whether brakes hold the arm while it rests.
+    with_brake : bool
+        Whether motors are taken with their holding brakes, also where none holds the arm at rest.
+    stages : dict of str to StageSection
+        By sliding joint.
     own_masses : tuple of float
         kg, of the drives that the robot's model includes already; they are taken off where drives are placed on it.
     """
@@ -75,6 +94,8 @@ class ConditionsSection(Section):
     max_inertia_ratio: PerJoint | None = None
     emergency_stops: PerJoint | None = None
     emergency_duration: PerJoint | None = None
+    with_brake: StrictBool = False
+    stages: dict[Text, StageSection] | None = None
     margins: Margins | None = None
     own_masses: tuple[NotNegative, ...] | None = None
 

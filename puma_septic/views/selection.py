@@ -127,15 +127,19 @@ def _bill(document: Document) -> Table:
 def _conditions(conditions: Document) -> Table:
     rows: list[list[Cell]] = []
     for name, value in conditions.items():
-        if isinstance(value, Mapping):
+        if name == "margins":
             rows += [[f"margin of {key}", f"{100 * share:g} %"] for key, share in value.items()]
+        elif name == "stages":
+            rows += [[f"stage of {joint}", told] for joint, told in value.items()]
         else:
             rows.append([name.replace("_", " "), _listed(value)])
     return ["condition", "value"], rows
 
 
 def _listed(value: Any) -> str:
-    values = value if isinstance(value, Sequence) and not isinstance(value, str) else [value]
+    if isinstance(value, str):
+        return value
+    values = value if isinstance(value, Sequence) else [value]
     words = {None: "as the joint has it", True: "yes", False: "no"}
     return ", ".join(words[one] if one is None or isinstance(one, bool) else f"{one:g}" for one in values)
 

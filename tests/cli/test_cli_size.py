@@ -167,6 +167,61 @@ def test_a_robot_that_is_only_a_urdf_takes_its_drives_from_one_file(
     assert "Not known of the least that decides a drive" not in out
 
 
+def lift(folder: Path) -> str:
+    """A sliding joint, and a task that lifts 2 kg by it."""
+    pendulum(folder, kind="prismatic")
+    task = folder / "lift.yaml"
+    task.write_text(
+        "name: lift\nrobot: {source: pendulum.urdf}\npoints:\n"
+        "  - {name: a, joints: [0.0]}\n  - {name: b, joints: [0.3]}\ntimes: [0, 1]\nprofiles: [quintic]\n",
+        encoding="utf-8",
+    )
+    return str(task)
+
+
+def test_the_stage_of_a_sliding_joint_and_brakes_are_options(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """Without Python nothing could be chosen for a sliding joint."""
+    task = lift(tmp_path)
+    code, _, err = ask(capsys, task, "--catalogue", "example")
+    assert code == 2
+    assert "joint 'swing' slides" in err
+    stage = "swing:kind=screw,travel_per_turn=0.5,efficiency=0.9,max_force=500"
+    more = ["--with-brake", "--emergency-stops", "50", "--peak-regenerated-power", "90", "--format", "json"]
+    code, out, _ = ask(capsys, task, "--catalogue", "example", "--stage", stage, *more)
+    assert code == 0
+    document = json.loads(out)
+    assert document["conditions"]["stages"] == {"swing": "screw, travel_per_turn 0.5, efficiency 0.9, max_force 500"}
+    assert document["conditions"]["with_brake"] is True
+    checks = {check["quantity"]: check for check in document["sizing"]["joints"][0]["checks"]}
+    assert checks["stage force"]["limit"] == 500
+    assert "holding brake wear: needs" in " ".join(document["sizing"]["not_assessed"])
+    drives = tmp_path / "drives.toml"
+    drives.write_text(
+        'schema = 1\nrobot = "pendulum"\n[joints.swing.stage]\nkind = {value = "screw", source = "sheet"}\n'
+        'travel_per_turn = {value = 0.5, source = "sheet"}\n',
+        encoding="utf-8",
+    )
+    assert ask(capsys, task, "--catalogue", "example", "--drives", str(drives))[0] == 0
+    for faulty, message in (
+        ("swing:kind=cam,travel_per_turn=1", "stages.swing.kind: expected 'screw', 'rack' or 'belt', got 'cam'"),
+        ("arm:kind=screw,travel_per_turn=1", "joint of stages"),
+        ("swing", "'swing' is not JOINT:KEY=VALUE,..."),
+    ):
+        code, _, err = ask(capsys, task, "--catalogue", "example", "--stage", faulty)
+        assert code == 2
+        assert message in err
+
+
+def test_a_shared_supply_beside_a_catalogue(capsys: pytest.CaptureFixture[str]) -> None:
+    """The table of conditions took the supply's name for a number: exit code 70."""
+    code, out, _ = ask(capsys, "--catalogue", "example", "--keep", "1", "--supply-power", "1000")
+    assert code == 0
+    assert "supply " in out
+    assert "a shared bus" in out
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

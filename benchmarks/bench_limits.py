@@ -91,8 +91,23 @@ def _many() -> list[tuple[str, ...]]:
     ]
     if find_spec("roboticstoolbox") is not None:
         rows.append(_toolbox(moves, many, ours))
+    return [*rows, *_verdicts(robot, many, ours)]
+
+
+def _verdicts(robot: ps.Robot, many: ps.ManyAssessments, ours: float) -> list[tuple[str, ...]]:
+    """Verdicts alone, of motions of which few and of which nearly all are feasible."""
     proved = float((many.certificate == "proved").mean())
-    return [*rows, ("of them proved by bounds", f"{100 * proved:.1f} %", "", "", "")]
+    rows = [("of them proved by bounds", f"{100 * proved:.1f} %", "", "", "")]
+    for reach in (0.4, 0.7, 1.2):
+        points = np.random.default_rng(SEED).uniform(-reach, reach, (SEPTICS, 4, robot.n_joints))
+        moves = [ps.septic(some, [0.0, 3.0, 6.0, 9.0]) for some in points]
+        verdicts, whole = ps.judge_many(robot, moves), ps.assess_many(robot, moves)
+        wrong = int((verdicts.is_feasible != whole.is_feasible).sum())
+        name = f"verdicts alone, {100 * whole.is_feasible.mean():.0f} % feasible, of assess_many"
+        alone = _least(lambda moves=moves: ps.judge_many(robot, moves)) / SEPTICS  # type: ignore[misc]
+        other = _least(lambda moves=moves: ps.assess_many(robot, moves)) / SEPTICS  # type: ignore[misc]
+        rows.append(_row(name, alone, other, f"{wrong} differ, {verdicts.n_searched} searched"))
+    return rows
 
 
 def _toolbox(moves: list[ps.Trajectory], many: ps.ManyAssessments, ours: float) -> tuple[str, ...]:

@@ -35,6 +35,7 @@ _HOMES: Final = {
     "Limits": "robot",
     "LinearStage": "drives",
     "ManyAssessments": "batch",
+    "ManyVerdicts": "batch",
     "MaximumPayload": "limits",
     "MinimumDuration": "limits",
     "ModelError": "errors",
@@ -82,6 +83,7 @@ _HOMES: Final = {
     "inverse_kinematics": "kinematics",
     "inverse_kinematics_batch": "kinematics",
     "jacobian": "kinematics",
+    "judge_many": "batch",
     "least_stretch": "gate",
     "least_time": "optimisation",
     "load_catalogue": "drives",
@@ -155,7 +157,9 @@ if TYPE_CHECKING:
     from puma_septic.assessment import Assessment as Assessment
     from puma_septic.assessment import assess as assess
     from puma_septic.batch import ManyAssessments as ManyAssessments
+    from puma_septic.batch import ManyVerdicts as ManyVerdicts
     from puma_septic.batch import assess_many as assess_many
+    from puma_septic.batch import judge_many as judge_many
     from puma_septic.comparison import Comparison as Comparison
     from puma_septic.comparison import compare as compare
     from puma_septic.cycle import Cycle as Cycle

@@ -20,12 +20,21 @@ from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array
 
-__all__ = ["Certificate", "ManyAssessments", "assess_many"]
+__all__ = [
+    "BLOCK",
+    "MAGNITUDES",
+    "Certificate",
+    "ManyAssessments",
+    "are_plain",
+    "assess_many",
+    "check_trajectories",
+    "is_linear",
+]
 
 Certificate = Literal["proved", "resolved", "undecided"]
 # Motions that are computed together: what they need stays in the cache of a processor.
-_BLOCK: Final = 512
-_MAGNITUDES: Final = ("velocity", "acceleration", "jerk", "effort")
+BLOCK: Final = 512
+MAGNITUDES: Final = ("velocity", "acceleration", "jerk", "effort")
 _ROWS: Final = ("velocity", "acceleration", "jerk", "torque")
 # Points below this, rad (m), raise no doubt about their unit.
 _NO_DOUBT: Final = 12.0
@@ -130,8 +139,8 @@ def assess_many(robot: Robot, trajectories: Iterable[Trajectory]) -> ManyAssessm
     ([False, True, True], ['velocity', 'effort', 'effort'])
     """
     given = list(trajectories)
-    _check(robot, given)
-    blocks = [_block(robot, given[k : k + _BLOCK]) for k in range(0, len(given), _BLOCK)]
+    check_trajectories(robot, given)
+    blocks = [_block(robot, given[k : k + BLOCK]) for k in range(0, len(given), BLOCK)]
     joined = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
     return ManyAssessments(robot=robot, n_alone=int(joined.pop("alone").sum()), **_frozen(joined))
 
@@ -142,7 +151,7 @@ def _frozen(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     return dict(arrays)
 
 
-def _check(robot: Robot, trajectories: Sequence[Trajectory]) -> None:
+def check_trajectories(robot: Robot, trajectories: Sequence[Trajectory]) -> None:
     if not trajectories:
         raise InputError("trajectories: at least one is needed")
     for k, one in enumerate(trajectories):
@@ -156,7 +165,7 @@ def _check(robot: Robot, trajectories: Sequence[Trajectory]) -> None:
 
 
 def _block(robot: Robot, trajectories: Sequence[Trajectory]) -> dict[str, NDArray[Any]]:
-    plain = _are_plain(trajectories) & _is_linear(robot)
+    plain = are_plain(trajectories) & is_linear(robot)
     columns = _empty(robot.n_joints, len(trajectories))
     some = np.flatnonzero(plain)
     if len(some):
@@ -172,7 +181,7 @@ def _block(robot: Robot, trajectories: Sequence[Trajectory]) -> dict[str, NDArra
     return columns
 
 
-def _is_linear(robot: Robot) -> bool:
+def is_linear(robot: Robot) -> bool:
     """Whether friction is viscous plus constant, gears lose nothing, and no derivative of the torque has a limit."""
     derivatives = any(
         QUANTITIES[name].signal == "torque" and QUANTITIES[name].order for name in robot.limits.quantities
@@ -180,7 +189,7 @@ def _is_linear(robot: Robot) -> bool:
     return not (robot.has_losses or derivatives or any(not law.is_linear for law in robot.friction))
 
 
-def _are_plain(trajectories: Sequence[Trajectory]) -> NDArray[np.bool_]:
+def are_plain(trajectories: Sequence[Trajectory]) -> NDArray[np.bool_]:
     """Which are planned motions, as no log or excerpt is."""
     whole = np.array([one.rest_before and one.rest_after and not one.doubts for one in trajectories])
     exact = np.array([one.resolution for one in trajectories]).max(axis=1) == 0
@@ -205,7 +214,7 @@ def _empty(m: int, n: int) -> dict[str, NDArray[Any]]:
 def _store(
     columns: dict[str, NDArray[Any]], some: NDArray[np.int64], metrics: Metrics, robot: Robot, start: Array
 ) -> None:
-    for name, row in zip(_MAGNITUDES, _ROWS, strict=True):
+    for name, row in zip(MAGNITUDES, _ROWS, strict=True):
         known = robot.knows_torque if name == "effort" else np.True_
         columns[f"peak_{row}"][some] = np.where(known, metrics.peaks[name], np.nan)
         columns[f"peak_{row}_time"][some] = np.where(known, metrics.times[name] + start[:, None], np.nan)
@@ -216,9 +225,9 @@ def _store(
 def _judge(columns: dict[str, NDArray[Any]], some: NDArray[np.int64], metrics: Metrics, robot: Robot) -> None:
     """Verdicts, what governs, and how sure they are."""
     limits, m = robot.limits, robot.n_joints
-    known = {name: getattr(limits, name) for name in _MAGNITUDES}
+    known = {name: getattr(limits, name) for name in MAGNITUDES}
     known["effort"] = np.where(robot.knows_torque, known["effort"], np.nan)
-    used = np.concatenate([metrics.peaks[name] / known[name] for name in _MAGNITUDES], axis=1)
+    used = np.concatenate([metrics.peaks[name] / known[name] for name in MAGNITUDES], axis=1)
     share = np.where(np.isnan(used), -1.0, used)
     best = share.argmax(axis=1)
     largest = share[np.arange(len(share)), best]
@@ -226,9 +235,9 @@ def _judge(columns: dict[str, NDArray[Any]], some: NDArray[np.int64], metrics: M
     excess = np.fmax(lower - metrics.reach[0], metrics.reach[1] - upper)
     inside = ~(excess > AT_LIMIT).any(axis=1)
     columns["utilisation"][some] = np.where(largest < 0, np.nan, largest)
-    columns["governing_joint"][some], columns["governing_quantity"][some] = best % m, np.array(_MAGNITUDES)[best // m]
+    columns["governing_joint"][some], columns["governing_quantity"][some] = best % m, np.array(MAGNITUDES)[best // m]
     columns["is_feasible"][some] = inside & (largest <= 1 + AT_LIMIT)
-    bound = np.concatenate([metrics.bounds[name] / known[name] for name in _MAGNITUDES], axis=1)
+    bound = np.concatenate([metrics.bounds[name] / known[name] for name in MAGNITUDES], axis=1)
     swing = metrics.bounds["position"]
     within = ~((swing[0] < lower) | (swing[1] > upper)).any(axis=1) & ~(bound > 1 - _RESOLVED).any(axis=1)
     # A value that is taken somewhere proves a violation by itself.

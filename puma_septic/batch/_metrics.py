@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from puma_septic.batch._stack import Index, Stack, fit_torque, runs
 from puma_septic.piecewise import matrices
-from puma_septic.piecewise.peaks import Peaks, Steps, bounds, find_peaks
+from puma_septic.piecewise.peaks import Peaks, Steps, find_peaks, ranges
 from puma_septic.robot import Robot
 from puma_septic.validation import Array
 
-__all__ = ["Metrics", "metrics_of"]
+__all__ = ["Metrics", "acceleration_steps", "metrics_of"]
 
 
 # A step below this part of the motion's largest velocity or acceleration is none, from the other on it is one; between
@@ -59,7 +59,11 @@ def metrics_of(robot: Robot, stack: Stack, n_motions: int) -> Metrics:
     limits = {name: one.bound.reshape(-1, m) for name, one in kinematic.items()}
     squares = {name: _squares(stack.state[:, :, k], stack, n_motions) for k, name in enumerate(kinematic, start=1)}
     squares["effort"] = torque_squares
-    odd |= _unbounded_jerk(stack, n_motions, peaks, times, squares)
+    unclear, when = acceleration_steps(stack, n_motions, peaks["velocity"], peaks["acceleration"])
+    stepped = np.isfinite(when)
+    # A step of the acceleration makes the jerk infinite.
+    peaks["jerk"][stepped], squares["jerk"][stepped], times["jerk"][stepped] = np.inf, np.inf, when[stepped]
+    odd |= unclear
     return Metrics(
         peaks=peaks | {"effort": torque},
         times=times | {"effort": torque_times},
@@ -110,26 +114,20 @@ def _kinematic(stack: Stack, n_motions: int) -> dict[str, Peaks]:
 
 
 def _swing(stack: Stack, n_motions: int) -> Array:
-    """Certified bounds of the positions on both sides, by Ehlich and Zeller about the middle of each interval.
-
-    About its mean, so that the bound's factor is one of the swing.
-    """
+    """Certified bounds of the positions on both sides."""
     size, n, _, m = stack.state.shape
-    position = stack.state[:, :, 0].reshape(size, -1)
-    centred = position.copy()
-    centred[0] = 0.0
-    spread = bounds(centred)[1]
-    low = np.full((n_motions, m), np.inf)
-    high = -low
-    np.minimum.at(low, stack.owner, (position[0] - spread).reshape(n, m))
-    np.maximum.at(high, stack.owner, (position[0] + spread).reshape(n, m))
-    return np.stack([low, high])
+    outer = ranges(stack.state[:, :, 0].reshape(size, -1))[1].reshape(2, n, m)
+    first = np.searchsorted(stack.owner, np.arange(n_motions))
+    return np.stack([np.minimum.reduceat(outer[0], first), np.maximum.reduceat(outer[1], first)])
 
 
-def _unbounded_jerk(
-    stack: Stack, n_motions: int, peaks: dict[str, Array], times: dict[str, Array], squares: dict[str, Array]
-) -> NDArray[np.bool_]:
-    """Write in what a step of the acceleration makes infinite; motions with a step of velocity, or a doubtful one."""
+def acceleration_steps(
+    stack: Stack, n_motions: int, velocity: Array, acceleration: Array
+) -> tuple[NDArray[np.bool_], Array]:
+    """Motions with a step of velocity, or a doubtful one, and when each acceleration first steps (inf: never).
+
+    Steps count relative to the largest `velocity` and `acceleration`, (n_motions, n_joints).
+    """
     size, m = len(stack.state), stack.state.shape[3]
     left, right = (np.tensordot(signs, stack.state, 1) for signs in (matrices.signs(size - 1), np.ones(size)))
     first, last = (np.append(True, np.diff(stack.owner) != 0), np.append(np.diff(stack.owner) != 0, True))
@@ -137,7 +135,7 @@ def _unbounded_jerk(
     gaps = np.concatenate([left - before, np.where(last[:, None, None], -right, 0.0)])[:, 1:3]
     owner = np.concatenate([stack.owner] * 2)
     at = np.concatenate([stack.start, stack.start + stack.lengths])
-    largest = np.stack([peaks["velocity"].max(axis=1), peaks["acceleration"].max(axis=1)], axis=1)[owner]
+    largest = np.stack([velocity.max(axis=1), acceleration.max(axis=1)], axis=1)[owner]
     share = np.abs(gaps) / np.where(largest > 0, largest, 1.0)[:, :, None]
     odd = np.zeros(n_motions, dtype=np.bool_)
     odd[
@@ -146,9 +144,7 @@ def _unbounded_jerk(
     step, joint = np.nonzero(share[:, 1] >= _STEP)
     when = np.full((n_motions, m), np.inf)
     np.minimum.at(when, (owner[step], joint), at[step])
-    stepped = np.isfinite(when)
-    peaks["jerk"][stepped], squares["jerk"][stepped], times["jerk"][stepped] = np.inf, np.inf, when[stepped]
-    return odd
+    return odd, when
 
 
 def _part(found: Peaks, k: int, count: int, columns: int) -> Peaks:

@@ -15,12 +15,12 @@ from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array
 
-__all__ = ["Index", "Runs", "Stack", "fit_torque", "runs", "stacked"]
+__all__ = ["LEAST_DEGREE", "Index", "Part", "Runs", "Stack", "fit_torque", "refined", "runs", "stacked"]
 
 Index = NDArray[np.int64]
 # Degrees are multiples of this one, whose points are among those of each; what none resolves is left to the single
 # assessment, which also bisects.
-_LEAST_DEGREE: Final = 22
+LEAST_DEGREE: Final = 22
 _MULTIPLES: Final = (2, 3, 4, 6, 8)
 # The degree at which a series is resolved is about 86 + 9 log10 of its last coefficients at the least one, measured on
 # septics of PUMA and Panda through points within 0.3 to 2 rad. Seven eighths of a multiple have to reach that far.
@@ -88,7 +88,7 @@ def stacked(trajectories: Sequence[Trajectory]) -> Stack:
     )
 
 
-class _Part(NamedTuple):
+class Part(NamedTuple):
     """Intervals to be sampled at a multiple of the least degree, with their values at a coarser one."""
 
     multiple: int
@@ -103,13 +103,13 @@ def fit_torque(robot: Robot, stack: Stack, n_motions: int) -> tuple[Array, Index
     A motion's degree is that of what is not negligible in its series, of a few common ones.
     """
     n, m = len(stack.lengths), robot.n_joints
-    largest = np.zeros((_LEAST_DEGREE * _MULTIPLES[-1] + 1, n, m))
+    largest = np.zeros((LEAST_DEGREE * _MULTIPLES[-1] + 1, n, m))
     scale, degrees, used = np.zeros((n_motions, m)), np.zeros(n_motions, dtype=np.int64), 0
     unresolved = np.zeros(n_motions, dtype=np.bool_)
-    work = [_Part(1, np.arange(n), 0, np.empty((0, n, m)))]
+    work = [Part(1, np.arange(n), 0, np.empty((0, n, m)))]
     while work:
         part = work.pop()
-        owner, values = stack.owner[part.intervals], _refined(robot, stack, part)
+        owner, values = stack.owner[part.intervals], refined(robot, stack, part)
         used += values[:, :, 0].size - part.values[:, :, 0].size
         np.maximum.at(scale, owner, np.abs(values).max(axis=0))
         series = matrices.coefficients_from_values(len(values) - 1) @ values.reshape(len(values), -1)
@@ -123,7 +123,7 @@ def fit_torque(robot: Robot, stack: Stack, n_motions: int) -> tuple[Array, Index
         unresolved[owner[~good & (following == 0)]] = True
         for multiple in np.unique(following[~good & (following > 0)]).tolist():
             some = np.flatnonzero(~good & (following == multiple))
-            work.append(_Part(multiple, part.intervals[some], part.multiple, values[:, some]))
+            work.append(Part(multiple, part.intervals[some], part.multiple, values[:, some]))
     return largest, np.where(unresolved, 0, degrees), used
 
 
@@ -135,9 +135,9 @@ def _following(multiple: int, excess: Array) -> Index:
         return np.asarray(_MULTIPLES)[np.searchsorted(_RESOLVED_BELOW, np.log10(excess))]
 
 
-def _refined(robot: Robot, stack: Stack, part: _Part) -> Array:
+def refined(robot: Robot, stack: Stack, part: Part) -> Array:
     """Torque at all points of a part, (degree + 1, n, n_joints): every so many of them are known."""
-    points = matrices.nodes(_LEAST_DEGREE * part.multiple)
+    points = matrices.nodes(LEAST_DEGREE * part.multiple)
     is_new = np.ones(len(points), dtype=np.bool_)
     if part.coarser:
         is_new[:: part.multiple // part.coarser] = False

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from puma_septic.piecewise import matrices
 from puma_septic.validation import Array
 
-__all__ = ["Peaks", "Steps", "bounds", "find_peaks"]
+__all__ = ["Peaks", "Steps", "bounds", "find_peaks", "hidden", "ranges"]
 
 Index = NDArray[np.int64]
 Flags = NDArray[np.bool_]
@@ -110,6 +110,37 @@ def bounds(series: Array, oversampling: int = 8) -> tuple[Array, Array]:
         return size, size
     at_points = np.abs(matrices.values_matrix(degree, oversampling * degree) @ series).max(axis=0)
     return at_points, at_points / cos(pi / (2 * oversampling))
+
+
+def ranges(series: Array, oversampling: int = 8) -> tuple[Array, Array]:
+    """Least and greatest of each series (degree + 1, c) at points, and certified bounds of both.
+
+    As `bounds`, about the middle of what the points have.
+
+    Returns
+    -------
+    inner, outer : ndarray, shape (2, c)
+        Each side of `outer` is at most ``(1 / cos(pi / (2 oversampling)) - 1) / 2`` of the range beyond `inner`.
+
+    Examples
+    --------
+    >>> inner, outer = ranges(np.array([[3.0], [0.0], [1.0]]))  # 3 + T_2
+    >>> inner.ravel().tolist(), outer.ravel().round(3).tolist()
+    ([2.0, 4.0], [1.98, 4.02])
+    """
+    degree = len(series) - 1
+    if not degree:
+        inner = np.stack([series[0]] * 2)
+        return inner, inner
+    values = matrices.values_matrix(degree, oversampling * degree) @ series
+    inner = np.stack([values.min(axis=0), values.max(axis=0)])
+    middle = inner.mean(axis=0)
+    return inner, middle + (inner - middle) / cos(pi / (2 * oversampling))
+
+
+def hidden(series: Array, cells: int) -> Array:
+    """How far each series (degree + 1, c) can be beyond its values at ``cells + 1`` Chebyshev points, shape (c,)."""
+    return np.asarray(np.arange(float(len(series))) ** 2 @ np.abs(series)) * ((pi / cells) ** 2 / 8)
 
 
 class _Grid(NamedTuple):
@@ -212,20 +243,18 @@ def _first_of_largest(found: _Found, group: Index, at_points: Array, bound: Arra
 
 
 def _sampled(series: Array, steps: Steps | None) -> _Sampled:
-    degree, grid = len(series) - 1, _grid(len(series) - 1)
+    grid = _grid(len(series) - 1)
     rows = np.ascontiguousarray(series.T)
-    step = (pi / (len(grid.theta) - 1)) ** 2 / 8
-    hidden = np.abs(rows) @ (step * np.arange(degree + 1.0) ** 2)
-    values = rows @ grid.values
+    values, between = rows @ grid.values, hidden(series, len(grid.theta) - 1)
     if steps is None:
         none, empty = np.empty(0, dtype=np.int64), np.empty(0)
         no_steps = Steps(first=np.zeros(len(rows)), column=none, x=empty, level=empty)
-        return _Sampled(grid, rows, values, hidden, no_steps, none)
+        return _Sampled(grid, rows, values, between, no_steps, none)
     cells = len(grid.theta) - 1
     place = np.searchsorted(-grid.theta, -np.arccos(steps.x), side="right") - 1
     cell = steps.column * cells + np.minimum(place, cells - 1)
     values += _levels(steps, cell, values.shape)
-    return _Sampled(grid, rows, values, hidden, steps, cell)
+    return _Sampled(grid, rows, values, between, steps, cell)
 
 
 def _levels(steps: Steps, cell: Index, shape: tuple[int, ...]) -> Array:

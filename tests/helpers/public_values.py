@@ -78,6 +78,7 @@ VALUES: dict[str, Callable[[], Any]] = {
     "Limits": lambda: ps.load_robot().limits,
     "LinearStage": lambda: ps.LinearStage(kind="screw", travel_per_turn=0.01, efficiency=0.9),
     "ManyAssessments": lambda: ps.assess_many(ps.load_robot(), [hop()]),
+    "ManyVerdicts": lambda: ps.judge_many(ps.load_robot(), [hop()]),
     "MaximumPayload": lambda: ps.maximum_payload(assessment().motion),
     "MinimumDuration": lambda: ps.minimum_duration(assessment().motion),
     "Motion": lambda: assessment().motion,

@@ -91,10 +91,10 @@ def _many() -> list[tuple[str, ...]]:
     ]
     if find_spec("roboticstoolbox") is not None:
         rows.append(_toolbox(moves, many, ours))
-    return [*rows, *_verdicts(robot, many, ours)]
+    return [*rows, *_verdicts(robot, many)]
 
 
-def _verdicts(robot: ps.Robot, many: ps.ManyAssessments, ours: float) -> list[tuple[str, ...]]:
+def _verdicts(robot: ps.Robot, many: ps.ManyAssessments) -> list[tuple[str, ...]]:
     """Verdicts alone, of motions of which few and of which nearly all are feasible."""
     proved = float((many.certificate == "proved").mean())
     rows = [("of them proved by bounds", f"{100 * proved:.1f} %", "", "", "")]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from puma_septic.assessment import Assessment, assess
+from puma_septic.batch import torque_spans
 from puma_septic.dynamics import check_inertia
 from puma_septic.errors import InputError
 from puma_septic.motion import Motion, compute_motion
@@ -26,6 +27,7 @@ __all__ = [
     "Candidate",
     "Objective",
     "checked_objectives",
+    "find_torques",
     "interval_extremes",
     "non_dominated",
 ]
@@ -59,6 +61,19 @@ class Candidate:
     floor: float | None = None
     tool_limits: ToolLimits | None = None
 
+    @property
+    def known_robot(self) -> Robot:
+        """The robot.
+
+        Raises
+        ------
+        InputError
+            Without one.
+        """
+        if self.robot is None:
+            raise InputError("torque, energy and limits need a robot: give robot=...")
+        return self.robot
+
     @cached_property
     def motion(self) -> Motion:
         """The robot on the trajectory.
@@ -68,14 +83,38 @@ class Candidate:
         InputError
             Without a robot.
         """
-        if self.robot is None:
-            raise InputError("torque, energy and limits need a robot: give robot=...")
-        return compute_motion(self.robot, self.trajectory)
+        return compute_motion(self.known_robot, self.trajectory)
 
     @cached_property
     def assessment(self) -> Assessment:
         """The motion checked against its limits."""
         return assess(self.motion, dwell=self.dwell, floor=self.floor, tool_limits=self.tool_limits)
+
+    @cached_property
+    def torque_ends(self) -> Array:
+        """Least and greatest torque of each joint, (2, n_joints), N m (N)."""
+        extrema = self.motion.torque.extrema()
+        return np.stack([extrema.min, extrema.max])
+
+    @cached_property
+    def rms_torque(self) -> Array:
+        """Root mean square torque of each joint over motion and dwell, (n_joints,), N m (N)."""
+        return self.assessment.rms_torque
+
+
+def find_torques(candidates: Sequence[Candidate]) -> None:
+    """Compute `torque_ends` and, without a dwell, `rms_torque` of several candidates of one robot at once.
+
+    They are kept as if they had been asked for; what does not go with the others is left for when it is asked for.
+    """
+    if not candidates or candidates[0].robot is None:
+        return
+    found = torque_spans(candidates[0].robot, [one.trajectory for one in candidates])
+    for candidate, span in zip(candidates, found, strict=True):
+        if span is not None:
+            candidate.__dict__["torque_ends"] = span[0]
+            if not candidate.dwell:
+                candidate.__dict__["rms_torque"] = span[1]
 
 
 @final
@@ -92,6 +131,8 @@ class Objective:
     order : int
         The objective is unbounded where the derivative of this order is; 0 if it never is.
     needs_robot : bool
+    is_of_torque : bool
+        It follows from `Candidate.torque_ends` or `Candidate.rms_torque`, see `find_torques`.
     """
 
     name: str
@@ -100,6 +141,7 @@ class Objective:
     parts: Callable[[Candidate], Array]
     order: int = 0
     needs_robot: bool = False
+    is_of_torque: bool = False
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _named, (self.name,)
@@ -186,23 +228,23 @@ def _peak(order: int) -> Callable[[Candidate], Array]:
 
 
 def _torque_use(candidate: Candidate) -> Array:
-    motion = candidate.motion
-    check_inertia(motion.robot)
-    limit = motion.robot.limits.effort
+    robot = candidate.known_robot
+    check_inertia(robot)
+    limit = robot.limits.effort
     unknown = np.isnan(limit)
     if unknown.any():
-        names = [name for name, missing in zip(motion.robot.joint_names, unknown, strict=True) if missing]
+        names = [name for name, missing in zip(robot.joint_names, unknown, strict=True) if missing]
         raise InputError(
             f"peak_torque_utilisation needs the effort limit of every joint; unknown for: {', '.join(names)};"
             " give it by robot.with_limits(effort=...), or take rms_torque"
         )
-    torque = motion.torque.extrema()
-    return np.concatenate([torque.max / limit, -torque.min / limit])
+    least, greatest = candidate.torque_ends
+    return np.concatenate([greatest / limit, -least / limit])
 
 
 def _rms_torque(candidate: Candidate) -> Array:
-    check_inertia(candidate.motion.robot)
-    return np.array([np.sqrt((candidate.assessment.rms_torque**2).sum())])
+    check_inertia(candidate.known_robot)
+    return np.array([np.sqrt((candidate.rms_torque**2).sum())])
 
 
 def _energy(candidate: Candidate) -> Array:
@@ -270,6 +312,7 @@ _ALL: Final = (
         parts=_torque_use,
         order=2,
         needs_robot=True,
+        is_of_torque=True,
     ),
     Objective(
         name="rms_torque",
@@ -278,6 +321,7 @@ _ALL: Final = (
         parts=_rms_torque,
         order=2,
         needs_robot=True,
+        is_of_torque=True,
     ),
     Objective(
         name="energy",

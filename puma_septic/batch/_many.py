@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from puma_septic.assessment import Assessment, assess
-from puma_septic.batch._metrics import Metrics, metrics_of
+from puma_septic.batch._metrics import Metrics, TorqueSpan, acceleration_steps, metrics_of, torque_span
 from puma_septic.batch._stack import stacked
 from puma_septic.document import card, one_line
 from puma_septic.errors import InputError
@@ -29,6 +29,7 @@ __all__ = [
     "assess_many",
     "check_trajectories",
     "is_linear",
+    "torque_spans",
 ]
 
 Certificate = Literal["proved", "resolved", "undecided"]
@@ -143,6 +144,34 @@ def assess_many(robot: Robot, trajectories: Iterable[Trajectory]) -> ManyAssessm
     blocks = [_block(robot, given[k : k + BLOCK]) for k in range(0, len(given), BLOCK)]
     joined = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
     return ManyAssessments(robot=robot, n_alone=int(joined.pop("alone").sum()), **_frozen(joined))
+
+
+def torque_spans(robot: Robot, trajectories: Sequence[Trajectory]) -> list[tuple[Array, Array] | None]:
+    """(Least and greatest torque (2, n_joints), its root mean square) of each motion; None where it goes alone.
+
+    Parameters
+    ----------
+    robot : Robot
+    trajectories : sequence of Trajectory
+        Of this robot's joints.
+
+    Returns
+    -------
+    list
+    """
+    found: list[tuple[Array, Array] | None] = [None] * len(trajectories)
+    some = np.flatnonzero(are_plain(trajectories) & is_linear(robot)).tolist() if trajectories else []
+    if some:
+        stack = stacked([trajectories[k] for k in some])
+        velocity, acceleration = (np.abs(stack.state[:, :, k]).sum(axis=0) for k in (1, 2))
+        whole = np.zeros((2, len(some), robot.n_joints))
+        np.maximum.at(whole[0], stack.owner, velocity)
+        np.maximum.at(whole[1], stack.owner, acceleration)
+        span: TorqueSpan = torque_span(robot, stack, len(some))
+        odd = span.odd | acceleration_steps(stack, len(some), whole[0], whole[1])[0]
+        for i in np.flatnonzero(~odd).tolist():
+            found[some[i]] = (span.ends[:, i], span.rms[i])
+    return found
 
 
 def _frozen(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:

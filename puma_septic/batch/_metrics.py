@@ -13,7 +13,7 @@ from puma_septic.piecewise.peaks import Peaks, Steps, find_peaks, ranges
 from puma_septic.robot import Robot
 from puma_septic.validation import Array
 
-__all__ = ["Metrics", "acceleration_steps", "metrics_of"]
+__all__ = ["Metrics", "TorqueSpan", "acceleration_steps", "metrics_of", "torque_span"]
 
 
 # A step below this part of the motion's largest velocity or acceleration is none, from the other on it is one; between
@@ -73,6 +73,39 @@ def metrics_of(robot: Robot, stack: Stack, n_motions: int) -> Metrics:
         odd=odd,
         n_samples=n_samples,
     )
+
+
+class TorqueSpan(NamedTuple):
+    """Of each motion and joint: least and greatest torque, (2, n_motions, n_joints), and its root mean square."""
+
+    ends: Array
+    rms: Array
+    odd: NDArray[np.bool_]
+
+
+def torque_span(robot: Robot, stack: Stack, n_motions: int) -> TorqueSpan:
+    """The torque on both sides of zero, as an optimiser needs it; `odd` as of `Metrics`."""
+    m = robot.n_joints
+    turned = runs(robot, stack, n_motions)
+    smooth, degrees, _ = fit_torque(robot, stack, n_motions)
+    ends, squares = np.zeros((2, n_motions, m)), np.zeros((n_motions, m))
+    for degree in np.unique(degrees[degrees > 0]).tolist():
+        motions = np.flatnonzero(degrees == degree)
+        some, pieces = stack.of(motions)
+        series, friction = smooth[: degree + 1, pieces].reshape(degree + 1, -1), _of(turned.friction, pieces, m)
+        # Beyond what any joint takes in magnitude, the largest magnitude is the greatest value.
+        beyond = 2 * float(np.abs(series).sum(axis=0).max() + np.abs(robot.coulomb_friction).max())
+        for side, sign in enumerate((-1.0, 1.0)):
+            shifted = sign * series
+            shifted[0] += beyond
+            steps = Steps(
+                first=sign * friction.first, column=friction.column, x=friction.x, level=sign * friction.level
+            )
+            found = find_peaks(shifted, _groups(some, m), len(motions) * m, steps)
+            ends[side, motions] = sign * (found.size.reshape(-1, m) - beyond)
+        squares[motions] = _torque_squares(series, friction, some, len(motions), m)
+    duration = np.bincount(stack.owner, weights=stack.lengths, minlength=n_motions)
+    return TorqueSpan(ends, np.sqrt(np.maximum(squares, 0.0) / duration[:, None]), (degrees == 0) | turned.odd)
 
 
 def _of(steps: Steps, pieces: Index, m: int) -> Steps:

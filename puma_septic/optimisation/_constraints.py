@@ -86,8 +86,10 @@ def _limit_check(robot: Robot | None, quantity: str) -> Excess:
     if row.is_range:
         return lambda candidate: _beyond_positions(candidate, limit)
     if row.signal == "position":
-        return lambda candidate: _beyond(candidate.trajectory.extrema(row.order), limit)
-    return lambda candidate: _beyond(candidate.motion.signal(quantity).extrema(), limit)
+        return lambda candidate: _beyond_extrema(candidate.trajectory.extrema(row.order), limit)
+    if quantity == "effort":
+        return lambda candidate: _beyond(candidate.torque_ends[0], candidate.torque_ends[1], limit)
+    return lambda candidate: _beyond_extrema(candidate.motion.signal(quantity).extrema(), limit)
 
 
 def _cell_check(robot: Robot | None, floor: float | None, tool_limits: ToolLimits | None) -> Excess:
@@ -112,8 +114,12 @@ def _beyond_positions(candidate: Candidate, limit: Array) -> Array:
     return _known(np.concatenate([limit[:, 0] - reach.min, reach.max - limit[:, 1]]))
 
 
-def _beyond(reach: Extrema, limit: Array) -> Array:
-    return _known(np.concatenate([reach.max / limit, -reach.min / limit]) - 1)
+def _beyond_extrema(reach: Extrema, limit: Array) -> Array:
+    return _beyond(reach.min, reach.max, limit)
+
+
+def _beyond(least: Array, greatest: Array, limit: Array) -> Array:
+    return _known(np.concatenate([greatest / limit, -least / limit]) - 1)
 
 
 def _known(excess: Array) -> Array:

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from puma_septic.document import SCHEMAS, card, one_line, plain
-from puma_septic.errors import InputError
 from puma_septic.objectives import Candidate, Objective, checked_objectives, non_dominated
 from puma_septic.optimisation._constraints import Verdict
 from puma_septic.optimisation._problem import (
@@ -22,6 +21,7 @@ from puma_septic.optimisation._problem import (
     checked_count,
     checked_setting,
     random_starts,
+    refusable,
 )
 from puma_septic.optimisation._search import KEPT, Found, search
 from puma_septic.optimisation._variables import MakeTrajectory
@@ -210,10 +210,12 @@ def pareto_front(
             best, spread = _frame(values)
             scale = rays[k - len(goals)] * spread
             merits, parts = ((values - best) / scale).max(axis=1), _scaled_parts(goals, best, scale)
-        problem = setting.problem(parts, needs_robot=any(goal.needs_robot for goal in goals))
+        problem = setting.problem(
+            parts, needs_robot=any(goal.needs_robot for goal in goals), is_of_torque=_are_of_torque(goals)
+        )
         found.append(search(problem, tried[int(np.argmin(merits))]))
         tried = np.vstack([tried, found[-1].x])
-        values = np.vstack([values, _values(setting, goals, found[-1].x)])
+        values = np.vstack([values, _values(setting, goals, refusable(setting.candidate, found[-1].x))])
         if progress is not None:
             progress(k + 1, len(goals) + len(rays))
     best_kept(setting, found)
@@ -253,15 +255,21 @@ def _scanned(setting: Setting, goals: Sequence[Objective], seed: int) -> tuple[A
             starts.append(x)
     else:
         starts = random_starts(variables, first, _RANDOM, seed)
-    return np.stack(starts), np.stack([_values(setting, goals, x) for x in starts])
+    if _are_of_torque(goals):
+        candidates = setting.candidates(starts)
+    else:
+        candidates = [refusable(setting.candidate, x) for x in starts]
+    return np.stack(starts), np.stack([_values(setting, goals, one) for one in candidates])
 
 
-def _values(setting: Setting, goals: Sequence[Objective], x: Array) -> Array:
-    try:
-        candidate = setting.candidate(x)
-    except InputError:
-        return np.full(len(goals), np.inf)
-    if setting.excess(candidate).max(initial=-np.inf) > KEPT:
+def _are_of_torque(goals: Sequence[Objective]) -> bool:
+    """Whether one needs the torque, and none more of the motion than its ends and root mean square."""
+    return any(goal.is_of_torque for goal in goals) and all(goal.is_of_torque or not goal.needs_robot for goal in goals)
+
+
+def _values(setting: Setting, goals: Sequence[Objective], candidate: Candidate | None) -> Array:
+    """Infinite where refused or not kept."""
+    if candidate is None or setting.excess(candidate).max(initial=-np.inf) > KEPT:
         return np.full(len(goals), np.inf)
     return np.array([goal.value(candidate) for goal in goals])
 

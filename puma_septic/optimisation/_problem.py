@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, final
+from typing import Final, TypeVar, final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from puma_septic.errors import InputError, NoSolution
-from puma_septic.objectives import Candidate, Objective
+from puma_septic.objectives import Candidate, Objective, find_torques
 from puma_septic.optimisation._analytic import best_free_values
 from puma_septic.optimisation._constraints import Excess, Verdict, checked_quantities, excess_function, verdict_of
 from puma_septic.optimisation._search import COARSE, FINE, KEPT, Found, Problem, search
@@ -27,10 +27,13 @@ __all__ = [
     "checked_count",
     "checked_setting",
     "random_starts",
+    "refusable",
     "search_from",
 ]
 
 Progress = Callable[[int, int], None]
+Given = TypeVar("Given")
+Answer = TypeVar("Answer")
 
 # Random shares: Dirichlet's distribution, a little away from vanishing segments.
 _CONCENTRATION: Final = 2.0
@@ -53,6 +56,12 @@ class Setting:
     def candidate(self, x: Array) -> Candidate:
         """The motion of variables x."""
         return self.judged(self.variables.trajectory(x))
+
+    def candidates(self, several: Sequence[Array]) -> list[Candidate | None]:
+        """The motions of several x, their torque computed together; None where one is refused."""
+        made = [refusable(self.candidate, x) for x in several]
+        find_torques([one for one in made if one is not None])
+        return made
 
     def judged(self, trajectory: Trajectory) -> Candidate:
         """A trajectory with the robot that runs it."""
@@ -91,13 +100,20 @@ class Setting:
         parts: Callable[[Candidate], Array],
         *,
         needs_robot: bool = False,
+        is_of_torque: bool = False,
         gradient: Callable[[Trajectory], Array] | None = None,
     ) -> Problem:
-        """To make the largest part least, to the accuracy that torque has where a robot is needed."""
+        """To make the largest part least, to the accuracy that torque has where a robot is needed.
 
-        def evaluate(x: Array) -> tuple[Array, Array]:
-            candidate = self.candidate(x)
+        With `is_of_torque` the torque of several motions is computed together.
+        """
+
+        def evaluated(candidate: Candidate) -> tuple[Array, Array]:
             return parts(candidate), self.excess(candidate)
+
+        def together(several: Sequence[Array]) -> list[tuple[Array, Array] | None]:
+            candidates = self.candidates(several)
+            return [None if one is None else refusable(evaluated, one) for one in candidates]
 
         variables = self.variables
         lower, upper = variables.bounds()
@@ -109,7 +125,12 @@ class Setting:
                 return variables.chained(by_times(variables.trajectory(x)), x)
 
         return Problem(
-            evaluate=evaluate, lower=lower, upper=upper, tolerance=COARSE if needs_robot else FINE, gradient=chained
+            evaluate=lambda x: evaluated(self.candidate(x)),
+            lower=lower,
+            upper=upper,
+            tolerance=COARSE if needs_robot else FINE,
+            gradient=chained,
+            evaluate_together=together if is_of_torque else None,
         )
 
     def first(self) -> Array:
@@ -215,6 +236,14 @@ def _towards_kept(problem: Problem, near: Found) -> Found:
     nearest = search(alone, near.x)
     found = search(problem, nearest.x)
     return replace(found, n_evaluations=nearest.n_evaluations + found.n_evaluations)
+
+
+def refusable(f: Callable[[Given], Answer], given: Given) -> Answer | None:
+    """The answer, or None where it is refused."""
+    try:
+        return f(given)
+    except InputError:
+        return None
 
 
 def best_kept(setting: Setting, found: Sequence[Found]) -> Found:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, final
 
@@ -53,6 +53,8 @@ class Problem:
         Relative change of the value at which a search ends.
     gradient : callable or None
         Of the only part, where its structure gives it.
+    evaluate_together : callable or None
+        Of several x: what `evaluate` gives of each, or None where it refuses one; where it is quicker.
     most : int or None
         Evaluations after which a search ends with the best that it has seen.
     """
@@ -62,6 +64,7 @@ class Problem:
     upper: Array
     tolerance: float = FINE
     gradient: Callable[[Array], Array] | None = None
+    evaluate_together: Callable[[Sequence[Array]], list[tuple[Array, Array] | None]] | None = None
     most: int | None = None
 
 
@@ -143,13 +146,29 @@ class _Memory:
                 self.best = min(self.best, self.found(x), key=lambda one: one.rank)
         return self._known[key]
 
+    def look_ahead(self, several: Sequence[Array]) -> None:
+        """Evaluate what will be asked for next together."""
+        if self.problem.evaluate_together is None:
+            return
+        new = [x for x in several if x.tobytes() not in self._known]
+        if self.problem.most is not None:
+            new = new[: self.problem.most - self.count]
+        for x, found in zip(new, self.problem.evaluate_together(new), strict=True):
+            self.count += 1
+            self._known[x.tobytes()] = self._or_bad(found)
+            self.best = min(self.best, self.found(x), key=lambda one: one.rank)
+
     def _guarded(self, x: Array) -> tuple[Array, Array]:
-        """Beyond the start, a trajectory that is refused is only a bad one; the number of parts stays what it was."""
         try:
-            parts, excess = self.problem.evaluate(x)
+            return self._or_bad(self.problem.evaluate(x))
         except InputError:
+            return self._or_bad(None)
+
+    def _or_bad(self, found: tuple[Array, Array] | None) -> tuple[Array, Array]:
+        """Beyond the start, a trajectory that is refused is only a bad one; the number of parts stays what it was."""
+        if found is None:
             return np.full(self.n_parts, _REFUSED * self.scale), np.zeros(self._n_excess)
-        return _fitted(parts, self.n_parts), _fitted(excess, self._n_excess)
+        return _fitted(found[0], self.n_parts), _fitted(found[1], self._n_excess)
 
     def found(self, x: Array) -> Found:
         """What is known of x."""
@@ -160,11 +179,13 @@ class _Memory:
         """Derivatives of parts (n_parts, n) and excesses by central differences, or by the problem's gradient."""
         if self.problem.gradient is not None:
             return self.problem.gradient(x)[None], np.zeros((0, len(x)))
-        columns, step = [], _STEP * float(np.cbrt(self.problem.tolerance))
-        for k in range(len(x)):
-            ahead, behind = x.copy(), x.copy()
-            ahead[k], behind[k] = x[k] + step, x[k] - step
-            columns.append([(a - b) / (2 * step) for a, b in zip(self(ahead), self(behind), strict=True)])
+        step = _STEP * float(np.cbrt(self.problem.tolerance))
+        ahead, behind = x + step * np.eye(len(x)), x - step * np.eye(len(x))
+        self.look_ahead([*ahead, *behind])
+        columns = [
+            [(a - b) / (2 * step) for a, b in zip(self(more), self(less), strict=True)]
+            for more, less in zip(ahead, behind, strict=True)
+        ]
         by_parts, by_excess = zip(*columns, strict=True)
         return np.stack(by_parts, axis=1), np.stack(by_excess, axis=1)
 

@@ -231,7 +231,9 @@ def optimise_via_times(
     is_plain = not setting.is_constrained and not setting.variables.free
     gradient = gradient_by_times(make, goal.name) if is_plain else None
     starts = random_starts(searched.variables, searched.first(), count, seed)
-    problem = searched.problem(goal.parts, needs_robot=goal.needs_robot, gradient=gradient)
+    problem = searched.problem(
+        goal.parts, needs_robot=goal.needs_robot, is_of_torque=goal.is_of_torque, gradient=gradient
+    )
     found = search_from(problem, starts, progress)
     best = best_kept(searched, found)
     trajectory = searched.variables.trajectory(best.x)

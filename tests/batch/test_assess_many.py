@@ -9,6 +9,7 @@ import pytest
 from numpy.random import Generator
 
 import puma_septic as ps
+from puma_septic.batch import torque_spans
 
 NAMES = [f"{kind}_{row}" for row in ("velocity", "acceleration", "jerk", "torque") for kind in ("peak", "rms")]
 
@@ -99,3 +100,21 @@ def test_messages(puma: ps.Robot, rng: Generator) -> None:
     two = ps.quintic_segments([[0.0, 0.0], [1.0, 1.0]], [0.0, 1.0])
     with pytest.raises(ps.InputError, match=r"trajectories\[0\] has the joints 2, robot 'puma560' has joint1"):
         ps.assess_many(puma, [two])
+
+
+def test_torque_on_both_sides_of_zero(puma: ps.Robot, rng: Generator) -> None:
+    """Two ways: the extrema of each motion's torque; what goes alone is left out."""
+    moves = [*septics(rng, 20), septics(rng, 1)[0].excerpt]
+    points = rng.uniform(-0.7, 0.7, (4, 6))
+    moves.append(ps.profiles.make("quintic_spline", points, [1.0, 2.5, 3.5, 5.0]))
+    for move, found in zip(moves, torque_spans(puma, moves), strict=True):
+        if move is moves[20]:
+            assert found is None
+            continue
+        assert found is not None
+        ends, rms = found
+        extrema = ps.compute_motion(puma, move).torque.extrema()
+        scale = np.maximum(extrema.max, -extrema.min)
+        assert np.abs(ends - [extrema.min, extrema.max]).max(axis=0) / scale == pytest.approx(np.zeros(6), abs=1e-10)
+        assert rms == pytest.approx(ps.assess(puma, move).rms_torque, rel=1e-9)
+    assert torque_spans(puma, []) == []

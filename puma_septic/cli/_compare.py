@@ -22,7 +22,11 @@ from puma_septic.cli._arguments import (
 from puma_septic.cli._parser import UNDECIDED, Answer
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from puma_septic.comparison import Comparison
+    from puma_septic.motion import Motion
+    from puma_septic.optimum import TimeOptimal
     from puma_septic.robot import Robot
     from puma_septic.task import ResolvedTask
     from puma_septic.trajectory import Trajectory
@@ -40,7 +44,8 @@ limits, the one with the least of the first objective. Pareto-optimal profiles i
 Exit code: 0 compared, 2 bad input, 3 a recorded motion's noise or units leave its verdict open."""
 
 EXAMPLES = """compare paper-turned
-compare task.yaml --profile quintic --profile septic --objective rms_torque --out comparison"""
+compare task.yaml --profile quintic --profile septic --objective rms_torque --out comparison
+compare paper-turned --profile septic --profile quintic --reference"""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -58,6 +63,11 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     add_verbose(parser, "all profiles in all quantities, and those that do not suit")
     add_format(parser, "text", "json", "csv")
+    parser.add_argument(
+        "--reference",
+        action="store_true",
+        help="beside each profile its least duration, and the gap to the quickest motion along its path, by toppra",
+    )
     add_out(parser, "report.html, JSON, CSV and a figure")
     add_recording(parser)
 
@@ -123,8 +133,17 @@ def _beside(recorded: Trajectory, robot: Robot, arguments: Namespace) -> Compari
         profiles=arguments.profile,
         beside={"recorded": recorded},
         dwell=arguments.dwell or 0.0,
+        reference=_reference(arguments),
         **objectives,
     )
+
+
+def _reference(arguments: Namespace) -> Callable[[Motion], TimeOptimal] | None:
+    if not arguments.reference:
+        return None
+    from puma_septic.optimum import time_optimal
+
+    return time_optimal
 
 
 def _compared(resolved: ResolvedTask, arguments: Namespace) -> Comparison:
@@ -147,6 +166,7 @@ def _compared(resolved: ResolvedTask, arguments: Namespace) -> Comparison:
         dwell=resolved.task.dwell,
         floor=resolved.task.floor,
         tool_limits=resolved.tool_limits,
+        reference=_reference(arguments),
         own=[choice.name for choice in resolved.task.profiles],
         **objectives,
     )

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from numpy.typing import ArrayLike
 
 from puma_septic.comparison._advice import make_profiles
-from puma_septic.comparison._comparison import ComparedProfile, Comparison
-from puma_septic.errors import InputError
+from puma_septic.comparison._comparison import ComparedProfile, Comparison, Gap, Reference
+from puma_septic.errors import InputError, NoSolution
+from puma_septic.motion import Motion
 from puma_septic.objectives import Candidate, checked_objectives
 from puma_septic.paths import ToolLimits
 from puma_septic.robot import Robot
@@ -32,6 +33,7 @@ def compare(
     tool_limits: ToolLimits | None = None,
     objectives: Sequence[str] = ("integral_of_squared_jerk", "overshoot", "via_miss"),
     own: Sequence[str] = (),
+    reference: Callable[[Motion], Reference] | None = None,
 ) -> Comparison:
     """Run all suitable profiles through the same points and measure each exactly.
 
@@ -61,6 +63,9 @@ def compare(
     own : sequence of str
         Profiles that are always shown and drawn, such as those of a task; of two that give the same motion it is
         these that stay.
+    reference : callable, optional
+        Of the motion of each profile, such as `puma_septic.time_optimal` (some seconds each): the quickest motion along
+        the same path under the same limits, for the *gap*, what the profile's time law costs.
 
     Returns
     -------
@@ -100,8 +105,17 @@ def compare(
             name=name,
             assessment=candidate.assessment,
             objectives={objective.name: objective.value(candidate) for objective in chosen},
+            gap=None if reference is None else _gap(candidate.motion, reference),
         )
         for name, candidate in candidates.items()
     )
     shown = tuple(name for name in dict.fromkeys([*(beside or {}), *own]) if name in made)
     return Comparison(points=vias, times=instants, profiles=rows, unsuitable=unsuitable, objectives=chosen, own=shown)
+
+
+def _gap(motion: Motion, reference: Callable[[Motion], Reference]) -> Gap:
+    try:
+        found = reference(motion)
+    except (InputError, NoSolution) as error:
+        return Gap(reason=str(error))
+    return Gap(least_duration=found.given.duration, reference_duration=found.certified.duration)

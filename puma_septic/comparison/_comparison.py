@@ -5,20 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, final
+from math import nan
+from typing import Any, Protocol, final
 
 import numpy as np
 
 from puma_septic.assessment import Assessment
 from puma_septic.comparison._advice import Candidate, advice_of, ranked, recommended
 from puma_septic.document import SCHEMAS, card, frame, one_line, plain
+from puma_septic.limits import MinimumDuration
 from puma_septic.objectives import Objective, non_dominated
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, FrozenMap, checked_choice, frozen
 from puma_septic.views import comparison as view
 from puma_septic.views.layout import laid_out
 
-__all__ = ["ComparedProfile", "Comparison"]
+__all__ = ["ComparedProfile", "Comparison", "Gap", "Reference"]
 
 # A velocity below this part of the joint's peak is rest.
 _REST = 1e-9
@@ -29,6 +31,49 @@ _PER_JOINT = (
 )  # fmt: skip
 # Of all joints together these are the sum; the others are the largest.
 _SUMMED = ("integral_of_squared_jerk", "energy_in", "energy_out")
+
+
+class Reference(Protocol):
+    """A motion as quick as its limits let it be, and the quickest one along its path; `puma_septic.time_optimal`'s."""
+
+    @property
+    def given(self) -> MinimumDuration:
+        """The motion itself, stretched."""
+
+    @property
+    def certified(self) -> MinimumDuration:
+        """The reference, held against all limits."""
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Gap:
+    """Least durations of a profile and of the quickest motion along its path, s; NaN where there is none.
+
+    Attributes
+    ----------
+    least_duration, reference_duration : float
+    reason : str
+        Why there is none.
+    """
+
+    least_duration: float = nan
+    reference_duration: float = nan
+    reason: str = ""
+
+    @property
+    def ratio(self) -> float:
+        """What the profile's time law costs: 1 is the optimum."""
+        return self.least_duration / self.reference_duration
+
+    def to_dict(self) -> dict[str, Any]:
+        """A JSON-ready document."""
+        return {
+            "least_duration": plain(self.least_duration),
+            "reference_duration": plain(self.reference_duration),
+            "ratio": plain(self.ratio),
+            "reason": self.reason,
+        }
 
 
 @final
@@ -43,11 +88,14 @@ class ComparedProfile:
         Peaks, root mean squares, torque, energy, violations, tool and singularities.
     objectives : mapping
         Values of the objectives that profiles are marked by.
+    gap : Gap or None
+        Beside the quickest motion along the same path, where that was asked for.
     """
 
     name: str
     assessment: Assessment
     objectives: Mapping[str, float]
+    gap: Gap | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "objectives", FrozenMap(self.objectives))
@@ -152,6 +200,7 @@ class ComparedProfile:
             "violations": [str(check) for check in self.assessment.violations],
             "singularities_crossed": dict(self.singularities_crossed),
             "notes": list(self.notes),
+            **({} if self.gap is None else {"gap": self.gap.to_dict()}),
         }
 
     def __repr__(self) -> str:

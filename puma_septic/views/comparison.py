@@ -33,6 +33,10 @@ _NOTE: Final = (
     " limits: those that are violated, with the number of joints."
 )
 _UNKNOWN: Final = "not known"
+_GAP: Final = {"least_duration": "least [s]", "ratio": "gap"}
+_GAP_NOTE: Final = (
+    " least: how quick the profile can be under all limits; gap: that over the quickest motion along its path."
+)
 _BRIEF: Final = {"position": "pos", "velocity": "vel", "acceleration": "acc"}
 # Rows of the short table, and those of the task beside them.
 _SHOWN: Final = 12
@@ -94,11 +98,12 @@ def _boxed(table: str) -> str:
 def csv(document: Document) -> str:
     """One line per profile and joint, after a line for all joints together."""
     metrics = list(document["profiles"][0]["overall"])
-    rows = [["profile", "pareto_optimal", "continuity", "duration", "is_feasible", "joint", *metrics, "notes"]]
+    gaps = [*_GAP] if "gap" in document["profiles"][0] else []
+    rows = [["profile", "pareto_optimal", "continuity", "duration", "is_feasible", *gaps, "joint", *metrics, "notes"]]
     for row in document["profiles"]:
         head = [
             row["name"], row["name"] in document["pareto_optimal"], row["continuity"], row["duration"],
-            row["is_feasible"],
+            row["is_feasible"], *(numeric(row["gap"][key]) for key in gaps),
         ]  # fmt: skip
         rows.append([*head, "all", *row["overall"].values(), "; ".join(row["notes"])])
         for j, joint in enumerate(document["joint_names"]):
@@ -112,9 +117,10 @@ def _advice(document: Document) -> str:
 
 def _starred(document: Document) -> str:
     names = ", ".join(objective["name"] for objective in document["objectives"])
+    gap = _GAP_NOTE if "gap" in document["profiles"][0] else ""
     return (
-        f" * Pareto-optimal among those through all points: none is at least as good in all of {names}, and better in"
-        " one."
+        f"{gap} * Pareto-optimal among those through all points: none is at least as good in all of {names}, and better"
+        " in one."
     )
 
 
@@ -139,6 +145,11 @@ def _remarks(document: Document) -> dict[str, list[str]]:
         "Doubtful data, which all of this rests on:": document["doubts"],
         "Not assessed:": document["not_assessed"],
         "Singular postures crossed:": [f"{kinds}: {', '.join(names)}" for kinds, names in crossing.items()],
+        "No gap:": [
+            f"{row['name']}: {row['gap']['reason']}"
+            for row in document["profiles"]
+            if "gap" in row and row["gap"]["reason"]
+        ],
         "Left out:": [f"{name}: {reason}" for name, reason in document["unsuitable"].items()],
     }
     return {title: texts for title, texts in remarks.items() if texts}
@@ -161,8 +172,10 @@ def _choice_table(document: Document, names: Sequence[str]) -> tuple[list[str], 
             *torque,
             *(_short(numeric(value)) for value in measures),
             *([_short(numeric(overall["energy_in"]))] if knows else []),
+            *([_short(numeric(row["gap"][key])) for key in _GAP] if "gap" in row else []),
         ])  # fmt: skip
-    return [*heads, *(["energy [J]"] if knows else [])], table
+    gaps = list(_GAP.values()) if "gap" in rows[0] else []
+    return [*heads, *(["energy [J]"] if knows else []), *gaps], table
 
 
 def _motion_table(document: Document) -> tuple[list[str], list[list[str]]]:

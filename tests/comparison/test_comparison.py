@@ -16,6 +16,7 @@ from hypothesis.extra.numpy import arrays
 
 import puma_septic as ps
 from puma_septic.objectives import OBJECTIVES, Candidate, interval_extremes, non_dominated
+from puma_septic.optimum import TimeOptimal
 from puma_septic.validation import Array
 
 # Joint 1 of the paper's task by exact integration of the definitions: class, integral of jerk^2, overshoot, end jerk
@@ -228,3 +229,37 @@ def test_an_unknown_effort_limit_is_named(puma: ps.Robot) -> None:
 def test_a_row_that_is_not_compared_is_named(comparison: ps.Comparison) -> None:
     with pytest.raises(ps.InputError, match="unknown compared profile 'double_s'"):
         comparison["double_s"]
+
+
+def test_the_gap_to_the_quickest_motion_along_the_same_path(puma: ps.Robot) -> None:
+    """Two ways: least duration and reference of the motion alone; why there is none is told, in every form."""
+    move, times = [[0.0] * 6, [0.5, -0.4, 0.3, 0.2, 0.1, 0.4]], [0.0, 2.0]
+
+    def reference(motion: ps.Motion) -> TimeOptimal:
+        if motion.trajectory.profile == "cycloidal":
+            raise ps.InputError("none for cycloids")
+        return ps.time_optimal(motion)
+
+    found = ps.compare(puma, move, times, profiles=["quintic", "trapezoidal", "cycloidal"], reference=reference)
+    alone = ps.time_optimal(ps.compute_motion(puma, found["quintic"].trajectory))
+    gap = found["quintic"].gap
+    assert gap is not None
+    assert gap.ratio == alone.gap
+    assert gap.least_duration == ps.minimum_duration(ps.compute_motion(puma, found["quintic"].trajectory)).duration
+    trapezoidal = found["trapezoidal"].gap
+    assert trapezoidal is not None
+    assert 1 < trapezoidal.ratio < gap.ratio
+    document = found.to_dict()
+    rows = {row["name"]: row["gap"] for row in document["profiles"]}
+    assert rows["cycloidal"] == {
+        "least_duration": None,
+        "reference_duration": None,
+        "ratio": None,
+        "reason": "none for cycloids",
+    }
+    assert rows["quintic"]["ratio"] == gap.ratio
+    assert "cycloidal: none for cycloids" in str(found)
+    assert "gap" in str(found)
+    table = list(csv.DictReader(io.StringIO(found.to_csv())))
+    assert float(table[0]["ratio"] or 0) >= 1 or table[0]["profile"] == "cycloidal"
+    assert ps.compare(puma, move, times, profiles=["quintic"])["quintic"].gap is None

@@ -66,7 +66,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--reference",
         action="store_true",
-        help="beside each profile its least duration, and the gap to the quickest motion along its path, by toppra",
+        help="beside each profile its least duration, and the gap to the quickest motion along its path",
     )
     add_out(parser, "report.html, JSON, CSV and a figure")
     add_recording(parser)

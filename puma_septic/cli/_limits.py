@@ -38,7 +38,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--reference",
         action="store_true",
-        help="beside each profile the time-optimal motion along its path, by toppra, assessed exactly and certified",
+        help="beside each profile the time-optimal motion along its path, by toppra or copp-py, certified",
     )
     add_format(parser, "text", "json", "csv")
     add_out(parser, "JSON, CSV and a figure")

@@ -1,4 +1,4 @@
-"""The quickest motion along the path of another one, by toppra, assessed exactly and certified."""
+"""The quickest motion along the path of another one, by toppra or copp-py, assessed exactly and certified."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from puma_septic.errors import InputError, NoSolution
 from puma_septic.limit_check import LimitCheck
 from puma_septic.limits import MinimumDuration, minimum_duration
 from puma_septic.motion import Motion, compute_motion
+from puma_septic.optimum._jerk_limited import jerk_limited
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
@@ -29,6 +30,10 @@ __all__ = ["TimeOptimal", "time_optimal"]
 
 # Samples of the path's length; the path is then a spline through far fewer points.
 _SAMPLES: Final = 20_001
+_POINTS: Final = 201
+_POINTS_3: Final = 101
+# A quintic spline has six points.
+_LEAST_POINTS: Final = 6
 
 
 @final
@@ -41,13 +46,14 @@ class TimeOptimal:
     given : MinimumDuration
         The motion that was asked about, as quick as its limits let it be.
     trajectory : Trajectory
-        toppra's, exactly: constant acceleration along the path between its grid points.
+        toppra's, exactly: constant acceleration along the path between its grid points; under jerk limits copp-py's.
     assessment : Assessment
-        What it demands everywhere, not at grid points alone, and with viscous friction, which toppra leaves out.
+        What it demands everywhere, not at grid points alone, and with viscous friction, which both leave out.
     certified : MinimumDuration
-        The same stretched until it keeps every limit but that of the jerk, which its steps of acceleration break.
+        The same stretched until it keeps every limit; but that of the jerk where not every joint's is known, which its
+        steps of the acceleration break.
     path_deviation : float
-        Largest distance of any joint between the given path and the spline that toppra follows, rad (m).
+        Largest distance of any joint between the given path and the spline that it follows, rad (m).
     """
 
     given: MinimumDuration
@@ -57,8 +63,13 @@ class TimeOptimal:
     path_deviation: float
 
     @property
+    def solver(self) -> str:
+        """The package that found it."""
+        return "copp-py" if _is_jerk_known(self.given.motion.robot) else "toppra"
+
+    @property
     def duration(self) -> float:
-        """Of toppra's motion, s."""
+        """Of the motion as it was found, s."""
         return self.trajectory.duration
 
     @property
@@ -68,9 +79,9 @@ class TimeOptimal:
 
     @property
     def excess(self) -> LimitCheck | None:
-        """The limit that toppra's motion breaks most, positions and jerk apart; None where it keeps all."""
-        found = (check for check in self.assessment.violations if check.quantity not in ("position", "jerk"))
-        return next(found, None)
+        """The limit that it breaks most, positions and unbounded jerk apart; None where it keeps all."""
+        broken = (check for check in self.assessment.violations if check.quantity != "position")
+        return next((check for check in broken if check.quantity != "jerk" or np.isfinite(check.utilisation)), None)
 
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready document.
@@ -80,6 +91,7 @@ class TimeOptimal:
         dict
         """
         return {
+            "solver": self.solver,
             "duration": self.duration,
             "certified_duration": self.certified.duration,
             "gap": plain(self.gap),
@@ -90,26 +102,26 @@ class TimeOptimal:
     def __str__(self) -> str:
         broken = "keeps its limits" if self.excess is None else f"breaks {self.excess}"
         return (
-            f"along the same path: {self.duration:.4g} s by toppra, which {broken} exactly assessed; certified"
+            f"along the same path: {self.duration:.4g} s by {self.solver}, which {broken} exactly assessed; certified"
             f" {self.certified.duration:.4g} s; {self.given.trajectory.profile} takes {self.given.duration:.4g} s,"
             f" {self.gap:.3g} times as long"
         )
 
 
-def time_optimal(motion: Motion, *, points: int = 201) -> TimeOptimal:
-    """The quickest motion along the path of another one under velocity, acceleration and torque limits.
+def time_optimal(motion: Motion, *, points: int | None = None) -> TimeOptimal:
+    """The quickest motion along the path of another one under velocity, acceleration, jerk and torque limits.
 
     By time-optimal path parameterisation (Pham and Pham, A new approach to time-optimal path parameterization based on
     reachability analysis, IEEE Trans. Robotics 34, 2018; package toppra), which holds limits at grid points and knows
-    dry friction alone. Its answer is made a trajectory exactly, assessed, and stretched until it keeps its limits
-    everywhere.
+    dry friction alone; where every joint's jerk limit is known, of third order (package copp-py). The answer is made a
+    trajectory exactly, assessed, and stretched until it keeps its limits everywhere.
 
     Parameters
     ----------
     motion : Motion
         From rest to rest.
-    points : int
-        Of the path's spline, and of toppra's grid.
+    points : int, optional
+        Of the path's spline and of the grid; 201, under jerk limits 101.
 
     Returns
     -------
@@ -120,7 +132,7 @@ def time_optimal(motion: Motion, *, points: int = 201) -> TimeOptimal:
     InputError
         Where a velocity or torque limit is not known, or as `minimum_duration`.
     NoSolution
-        Where toppra finds no motion, or as `minimum_duration`.
+        Where no motion is found, or as `minimum_duration`.
 
     Examples
     --------
@@ -132,26 +144,37 @@ def time_optimal(motion: Motion, *, points: int = 201) -> TimeOptimal:
     """
     robot, trajectory = motion.robot, motion.trajectory
     check_inertia(robot)
-    if isinstance(points, bool) or points < 5:
-        raise InputError(f"points = {points}: expected a whole number from 5")
+    has_jerk = _is_jerk_known(robot)
+    points = (_POINTS_3 if has_jerk else _POINTS) if points is None else points
+    if isinstance(points, bool) or points < _LEAST_POINTS:
+        raise InputError(f"points = {points}: expected a whole number from {_LEAST_POINTS}")
     for name in ("velocity", "effort"):
         if np.isnan(getattr(robot.limits, name)).any():
             raise InputError(f"the reference needs every joint's {name} limit")
     given = minimum_duration(motion)
-    length, q = _path(trajectory, points)
-    path = toppra.SplineInterpolator(length, q)
-    speed = _speeds(robot, path, length, q[0])
-    optimal = _trajectory(trajectory, path, length, speed)
-    unlimited = robot.with_limits(jerk=np.full(robot.n_joints, np.nan))
-    found = compute_motion(unlimited, optimal)
-    middles = (length[1:] + length[:-1]) / 2
+    optimal, deviation = (jerk_limited if has_jerk else _by_toppra)(robot, trajectory, points)
+    held = robot if has_jerk else robot.with_limits(jerk=np.full(robot.n_joints, np.nan))
     return TimeOptimal(
         given=given,
         trajectory=optimal,
         assessment=assess(compute_motion(robot, optimal)),
-        certified=minimum_duration(found),
-        path_deviation=float(np.abs(path(middles) - _at_length(trajectory, middles)).max()),
+        certified=minimum_duration(compute_motion(held, optimal)),
+        path_deviation=deviation,
     )
+
+
+def _is_jerk_known(robot: Robot) -> bool:
+    return not np.isnan(robot.limits.jerk).any()
+
+
+def _by_toppra(robot: Robot, trajectory: Trajectory, points: int) -> tuple[Trajectory, float]:
+    """The motion, and how far its path is from the given one at most."""
+    length, q = _path(trajectory, points)
+    path = toppra.SplineInterpolator(length, q)
+    speed = _speeds(robot, path, length, q[0])
+    middles = (length[1:] + length[:-1]) / 2
+    deviation = float(np.abs(path(middles) - _at_length(trajectory, middles)).max())
+    return _trajectory(trajectory, path, length, speed), deviation
 
 
 def _lengths(trajectory: Trajectory) -> tuple[Array, Array]:

@@ -66,7 +66,7 @@ def _reference(found: Document) -> str:
         excess = f", which breaks a limit: {LimitCheck.from_dict(found['excess'])}"
     return (
         f"gap {number(numeric(found['gap']), 4)}: along the same path the optimum takes"
-        f" {number(found['certified_duration'], 5)} s ({number(found['duration'], 5)} s by toppra{excess})"
+        f" {number(found['certified_duration'], 5)} s ({number(found['duration'], 5)} s by {found['solver']}{excess})"
     )
 
 

@@ -124,9 +124,9 @@ class Spread:
 
     @property
     def travel_at_rest(self) -> Array:
-        """Travel of the spline that may be none of the joint, rad (m), shape (n_joints,)."""
+        """Travel of the spline that may be none of the joint, rad (m), shape (n_joints,): both its ends may be off."""
         noise = _OF_DEVIATIONS * self.deviation(0) if self.parts else _OF_SAMPLES * self.noise
-        return np.asarray(np.maximum(noise, self.between))
+        return np.asarray(np.maximum(noise, 2 * self.between))
 
     @property
     def between(self) -> Array:

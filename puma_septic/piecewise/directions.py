@@ -36,7 +36,8 @@ def find_directions(position: Piecewise, turns: Sequence[Array], resolution: Arr
     - throughout, where a component never travels by more than its resolution;
     - on an interval on which it is constant, or where it creeps, slower than `STILL` tenfold in the whole motion, for a
       millisecond or longer; where a resolution is given, for `REST_TIME` or longer;
-    - where a resolution is given: wherever it stays within that for `REST_TIME` or longer.
+    - where a resolution is given: wherever it stays within that for `REST_TIME` or longer, less the time for which
+      a motion that begins or ends there is hidden.
 
     Parameters
     ----------
@@ -48,8 +49,11 @@ def find_directions(position: Piecewise, turns: Sequence[Array], resolution: Arr
     """
     function = position.from_zero()
     turned = _turned(function, turns, np.maximum(STILL, resolution).tolist())
-    recorded = np.flatnonzero(resolution)
-    rests = [_recorded_rests(function[int(j)], float(resolution[j])) for j in recorded]
+    recorded = np.flatnonzero(resolution).tolist()
+    for j in recorded:
+        when, signs = turned[j]
+        turned[j] = _at_breaks(function[j], when, float(resolution[j])), signs
+    rests = [_recorded_rests(function[j], float(resolution[j])) for j in recorded]
     unit = function.stepwise(np.ones((len(function.lengths), 1)))
     unit = unit.split(np.concatenate([*(when for when, _ in turned), *map(np.ravel, rests)]))
     middles = unit.middles
@@ -98,6 +102,19 @@ def _turning_points(times: Array, at: list[float], allowed: float) -> tuple[Arra
     return times[turns], sign * alternating[-1] * alternating
 
 
+def _at_breaks(position: Piecewise, when: Array, resolution: float) -> Array:
+    """Turning points of a recorded motion; at the nearest break where its resolution does not tell them apart.
+
+    The acceleration may step there, and friction of the wrong sign beside it would make a peak that nobody feels.
+    """
+    breaks = position.offsets
+    after = breaks.searchsorted(when).clip(1, len(breaks) - 1)
+    before, after = breaks[after - 1], breaks[after]
+    nearest = np.where(when - before < after - when, before, after)
+    apart = np.abs(position.at_offsets(nearest) - position.at_offsets(when))[:, 0]
+    return np.where(apart <= resolution, nearest, when)
+
+
 def _recorded_rests(position: Piecewise, resolution: float) -> Array:
     """Starts and ends (k, 2) of the spans in which the only component stays within its resolution long enough."""
     count = int(position.duration / REST_TIME * _SAMPLES) + 1
@@ -107,7 +124,24 @@ def _recorded_rests(position: Piecewise, resolution: float) -> Array:
     windows = np.lib.stride_tricks.sliding_window_view(position(times)[:, 0], _SAMPLES + 1)
     quiet = np.concatenate([[False], windows.max(axis=1) - windows.min(axis=1) <= resolution, [False]])
     first, last = np.flatnonzero(quiet[1:] & ~quiet[:-1]), np.flatnonzero(quiet[:-1] & ~quiet[1:])
-    return np.column_stack([times[first], times[np.minimum(last - 1 + _SAMPLES, count - 1)]])
+    starts, ends = times[first], times[np.minimum(last - 1 + _SAMPLES, count - 1)]
+    spans = np.column_stack(
+        [_rest_ends(position, starts, -1.0, resolution), _rest_ends(position, ends, 1.0, resolution)]
+    )
+    return spans[spans[:, 0] < spans[:, 1]]
+
+
+def _rest_ends(position: Piecewise, seen: Array, way: float, resolution: float) -> Array:
+    """When rests really end (`way` 1) or begin (-1), of which motion beyond the resolution is seen from `seen` on.
+
+    A joint that sets out with a constant jerk takes as long to move by its resolution as from there to eight times it.
+    """
+    t = seen + way * REST_TIME * np.linspace(-1.0, 2.0, 30 * _SAMPLES + 1)[:, None]
+    inside = np.clip(t, 0.0, position.duration)
+    travel = np.abs(position(inside.ravel())[:, 0].reshape(inside.shape) - position(inside[0])[:, 0])
+    beyond = [travel > part * resolution for part in (1.0, 8.0)]
+    one, eight = (t[np.maximum(flags.argmax(axis=0) - 1, 0), np.arange(len(seen))] for flags in beyond)
+    return np.where(beyond[1].any(axis=0), 2 * one - eight, seen)
 
 
 def _creeping(position: Piecewise, brief: Array) -> NDArray[np.bool_]:

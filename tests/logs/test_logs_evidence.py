@@ -103,8 +103,8 @@ def test_a_joint_at_rest_inside_a_noisy_log_takes_no_friction(puma: ps.Robot) ->
     fitted = ps.fit_trajectory(t, q, smoothing="auto")
     right = [14.39, 38.39, 9.77, 0.60, 0.50, 0.37]  # the same motion with dwells, in which friction is 0
     assert true_torque(puma, MOVE, 5.0)[1] == pytest.approx(right, abs=5e-3)
-    # What is slower than the resolution at either end of the move counts as rest.
-    assert ps.assess(puma, fitted).rms_torque == pytest.approx(right, rel=0.03)
+    # The first and last 40 ms, in which the arm moves by less than its resolution, were taken for rest too: 1 to 3 %.
+    assert ps.assess(puma, fitted).rms_torque == pytest.approx(right, rel=0.015, abs=5e-3)
     assert (np.asarray(fitted.resolution) < 1e-4).all()
 
 

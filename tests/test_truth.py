@@ -91,8 +91,8 @@ def jumps(seed: int, puma: ps.Robot) -> list[str]:
 
     Where more than rounding changes, the change over a hundred times the step, to both sides, is a hundred times as
     large. Where work changes its sign the slopes differ, by up to half as much again. Where a joint that stood begins
-    to turn, it turns for a time that goes with the square root of the change: ten times as large, and 1e-7 at most. A
-    jump would be as large over any step.
+    to turn, it turns for a time that goes with the square root of the change: ten times as large. A jump would be as
+    large over any step.
     """
     one, other = changed(seed, puma, 0.0), changed(seed, puma, STEP)
     sides: list[ps.Assessment] = []
@@ -104,11 +104,12 @@ def jumps(seed: int, puma: ps.Robot) -> list[str]:
             continue
         finite, scale = np.isfinite(before), _scale(one, metric)
         change = np.abs(before[finite] - after[finite])
-        if (change > ROUNDING * scale).any():
+        rounding = ROUNDING * scale + _of_instants(one, metric)[finite]
+        if (change > rounding).any():
             sides = sides or [changed(seed, puma, by) for by in (-SLOPE_STEP, SLOPE_STEP)]
             over = np.max([np.abs(getattr(side, metric)[finite] - before[finite]) for side in sides], axis=0)
-            smooth = change <= 1.5 * over * STEP / SLOPE_STEP + ROUNDING * scale
-            root = (change <= 1.5 * over * np.sqrt(STEP / SLOPE_STEP)) & (change <= 1e-7 * scale)
+            smooth = change <= 1.5 * over * STEP / SLOPE_STEP + rounding
+            root = change <= 1.5 * over * np.sqrt(STEP / SLOPE_STEP)
             if not (smooth | root).all():
                 found.append(f"{metric} {before} moves by {change}, over a hundred times the step by {over}")
     if [str(check)[:14] for check in one.violations] != [str(check)[:14] for check in other.violations]:
@@ -131,17 +132,35 @@ def _scale(one: ps.Assessment, metric: str) -> float:
     return max(1.0, float(values[np.isfinite(values)].max(initial=0.0)))
 
 
+def _of_instants(one: ps.Assessment, metric: str) -> Array:
+    """What rounding of instants leaves of a jerk: a phase is as long as its ends are known, and the jerk goes with it.
+
+    Accelerations rise within microseconds under the highest limits of jerk.
+    """
+    if metric != "peak_jerk":
+        return np.zeros(6)
+    breaks = one.motion.trajectory.breaks
+    phase = breaks[1:-1].searchsorted(np.nan_to_num(one.peak_jerk_time), side="right")
+    return np.asarray(4 * np.finfo(float).eps * breaks[-1] / np.diff(breaks)[phase] * one.peak_jerk)
+
+
 @pytest.mark.parametrize("first", [0, 26])
 def test_an_input_changed_by_1e_12_changes_nothing_that_is_told(puma: ps.Robot, first: int) -> None:
     assert [text for seed in range(first, first + 26) for text in jumps(seed, puma)] == []
 
 
-@pytest.mark.parametrize("seed", [479, 6563, 7499])
+@pytest.mark.parametrize("seed", [479, 6563, 7499, 11555])
 def test_a_stop_that_becomes_a_turn_does_so_by_a_square_root(puma: ps.Robot, seed: int) -> None:
-    """Where a joint that stood begins to creep, it turns in its blend for 1e-8 s: three moves where that is seen.
+    """Where a joint that stood begins to creep, it turns in its blend for 1e-8 s to 1e-6 s: moves where that is seen.
 
-    The study's 10,400 moves were how they were found; others may change by a root that is too small to be seen.
+    15,600 moves were how they were found; others may change by a root that is too small to be seen.
     """
+    assert jumps(seed, puma) == []
+
+
+@pytest.mark.parametrize("seed", [13270, 15532])
+def test_a_jerk_of_microseconds_is_known_as_well_as_its_instants(puma: ps.Robot, seed: int) -> None:
+    """Two of 15,600 moves in which it changes by 5e-11 of itself, whatever the step: 2.3 s are rounded by 4e-16 s."""
     assert jumps(seed, puma) == []
 
 

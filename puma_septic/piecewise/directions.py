@@ -23,6 +23,8 @@ a second; near a reversal or an end a joint that accelerates is this slow for a 
 _CREEP: Final = 10.0
 # and for longer than this, s, a step of a servo loop: the first microsecond of a move under a high jerk is no rest.
 _BRIEF: Final = 1e-3
+# An acceleration steps where its sides differ by this part of the largest; splines are smooth to rounding.
+_STEP: Final = 1e-3
 # Samples within REST_TIME: rests are found to a tenth of it.
 _SAMPLES: Final = 10
 
@@ -52,7 +54,7 @@ def find_directions(position: Piecewise, turns: Sequence[Array], resolution: Arr
     recorded = np.flatnonzero(resolution).tolist()
     for j in recorded:
         when, signs = turned[j]
-        turned[j] = _at_breaks(function[j], when, float(resolution[j])), signs
+        turned[j] = _at_steps(function[j], when, float(resolution[j])), signs
     rests = [_recorded_rests(function[j], float(resolution[j])) for j in recorded]
     unit = function.stepwise(np.ones((len(function.lengths), 1)))
     unit = unit.split(np.concatenate([*(when for when, _ in turned), *map(np.ravel, rests)]))
@@ -102,15 +104,17 @@ def _turning_points(times: Array, at: list[float], allowed: float) -> tuple[Arra
     return times[turns], sign * alternating[-1] * alternating
 
 
-def _at_breaks(position: Piecewise, when: Array, resolution: float) -> Array:
-    """Turning points of a recorded motion; at the nearest break where its resolution does not tell them apart.
+def _at_steps(position: Piecewise, when: Array, resolution: float) -> Array:
+    """Turning points of a recorded motion; at a step of its acceleration where the resolution tells no difference.
 
-    The acceleration may step there, and friction of the wrong sign beside it would make a peak that nobody feels.
+    Friction of the wrong sign right after such a step would make a peak that nobody feels.
     """
-    breaks = position.offsets
-    after = breaks.searchsorted(when).clip(1, len(breaks) - 1)
-    before, after = breaks[after - 1], breaks[after]
-    nearest = np.where(when - before < after - when, before, after)
+    acceleration = position.derivative().derivative()
+    steps = np.abs(acceleration.jumps().sizes[:, 0]) > _STEP * np.abs(acceleration.ends()).max()
+    if not steps.any():
+        return when
+    stepping = position.offsets[1:-1][steps]
+    nearest = stepping[np.abs(when[:, None] - stepping).argmin(axis=1)]
     apart = np.abs(position.at_offsets(nearest) - position.at_offsets(when))[:, 0]
     return np.where(apart <= resolution, nearest, when)
 
@@ -135,13 +139,16 @@ def _rest_ends(position: Piecewise, seen: Array, way: float, resolution: float) 
     """When rests really end (`way` 1) or begin (-1), of which motion beyond the resolution is seen from `seen` on.
 
     A joint that sets out with a constant jerk takes as long to move by its resolution as from there to eight times it.
+    One that turns meanwhile ripples.
     """
     t = seen + way * REST_TIME * np.linspace(-1.0, 2.0, 30 * _SAMPLES + 1)[:, None]
     inside = np.clip(t, 0.0, position.duration)
     travel = np.abs(position(inside.ravel())[:, 0].reshape(inside.shape) - position(inside[0])[:, 0])
     beyond = [travel > part * resolution for part in (1.0, 8.0)]
-    one, eight = (t[np.maximum(flags.argmax(axis=0) - 1, 0), np.arange(len(seen))] for flags in beyond)
-    return np.where(beyond[1].any(axis=0), 2 * one - eight, seen)
+    one, eight = (np.maximum(flags.argmax(axis=0) - 1, 0) for flags in beyond)
+    rows, columns = np.arange(len(t) - 1)[:, None], np.arange(len(seen))
+    ripples = ((np.diff(travel, axis=0) < 0) & (rows >= one) & (rows < eight)).any(axis=0)
+    return np.where(beyond[1].any(axis=0) & ~ripples, 2 * t[one, columns] - t[eight, columns], seen)
 
 
 def _creeping(position: Piecewise, brief: Array) -> NDArray[np.bool_]:

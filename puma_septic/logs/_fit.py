@@ -52,6 +52,9 @@ _CERTAIN: Final = 4.0
 # Part of the residual that is left to noise where jitter explains nearly all of it.
 _LEAST_PLAIN: Final = 0.01
 
+# Velocities that differ by this part of the joint's largest are one: splines through a hundred samples miss less.
+_SAME: Final = 1e-6
+
 Smoothing = ArrayLike | Literal["auto"] | None
 
 
@@ -124,8 +127,9 @@ def fit_trajectory(
     - With `smoothing`, for noisy samples: "auto" is the penalised quintic spline of greatest restricted likelihood; a
       number the least-squares spline on as few intervals as hold the RMS residual of every joint to that value,
       constant where the samples show no motion.
-    - With velocities, as planners give them: a quintic per step through q and v whose accelerations make the jerk
-      continuous too; zero acceleration at both ends. With accelerations also: a quintic per step through all three.
+    - With velocities, as planners give them: the spline of the positions alone where it has these velocities, which
+      shows where the acceleration steps; else a quintic per step through q and v whose accelerations make the jerk
+      continuous too, zero at both ends. With accelerations also: a quintic per step through all three.
 
     Whether the log begins and ends at rest is read off the samples: where a joint moves there, beyond noise, the log is
     an excerpt, its spline is free there, and nothing is assumed of what comes before or after
@@ -181,8 +185,10 @@ def fit_trajectory(
     if v is not None or a is not None:
         if smoothing is not None:
             raise InputError("smoothing fits positions alone; give either smoothing or v and a")
-        return _through_slopes(times, samples, v, a, tuple(joint_names or ()))
-    return fit_samples(
+        if v is None:
+            raise InputError("a is given without v; accelerations need the velocities too")
+        v = checked_array("v", v, samples.shape)
+    alone = fit_samples(
         times,
         samples,
         smoothing=smoothing,
@@ -191,6 +197,9 @@ def fit_trajectory(
         resolution=resolution,
         ends=ends,
     ).trajectory
+    if v is None or (a is None and _has_velocities(alone, v)):
+        return alone
+    return _through_slopes(alone, v, a, ends)
 
 
 def fit_samples(
@@ -444,21 +453,25 @@ def _nearest(t: Array, q: Array, breaks: Array, ends: Ends, rests: NDArray[np.in
     return Spread(spline=spline, times=t, noise=np.array([part.noise for part in parts]), parts=tuple(parts))
 
 
-def _through_slopes(
-    times: Array, q: Array, v: ArrayLike | None, a: ArrayLike | None, joint_names: tuple[str, ...]
-) -> Trajectory:
-    """Quintics through positions, velocities and, where given, accelerations."""
-    if v is None:
-        raise InputError("a is given without v; accelerations need the velocities too")
-    velocities = checked_array("v", v, q.shape)
-    given = None if a is None else checked_array("a", a, q.shape)
-    accelerations = _smooth_jerk(times, q, velocities) if given is None else given
+def _has_velocities(fitted: Trajectory, v: Array) -> bool:
+    """Whether a trajectory has these velocities at its times, but for what a spline through many samples misses."""
+    return bool((np.abs(fitted(fitted.times, 1) - v) <= _SAME * np.abs(v).max(axis=0)).all())
+
+
+def _through_slopes(alone: Trajectory, v: Array, a: ArrayLike | None, ends: EndsRule) -> Trajectory:
+    """Quintics through positions, velocities and, where given, accelerations; it moves at its ends where v says so."""
+    q = alone.points
+    accelerations = _smooth_jerk(alone.times, q, v) if a is None else checked_array("a", a, q.shape)
+    still = np.abs(v[[0, -1]]) <= _SAME * np.abs(v).max(axis=0)
+    rests = {"auto": still.all(axis=1), "rest": (True, True), "moving": (False, False)}[ends]
     return Trajectory(
-        position=quintic(q, times, velocities=velocities, accelerations=accelerations).position,
+        position=quintic(q, alone.times, velocities=v, accelerations=accelerations).position,
         points=q,
-        times=times,
+        times=alone.times,
         profile="fit_trajectory",
-        joint_names=joint_names,
+        joint_names=alone.joint_names,
+        rest_before=bool(rests[0]),
+        rest_after=bool(rests[1]),
     )
 
 

@@ -60,6 +60,29 @@ def test_velocities_of_a_planner_are_kept_and_the_jerk_is_continuous(motion: Tra
     assert np.abs(two(4.5) - profiles.quintic(motion(t[[0, -1]]), [0.0, 9.0])(4.5)).max() < 1e-14
 
 
+@pytest.mark.parametrize("rows", [76, 151, 1001])
+def test_velocities_beside_positions_hide_no_step_of_the_acceleration(rows: int) -> None:
+    """Quintics with a continuous jerk and no acceleration at the ends made 38 % too much of a trapezoid."""
+    move = profiles.trapezoidal([[0.0], [1.0]], [0.0, 1.5], blend_time=0.4)
+    t = np.linspace(0.0, 1.5, rows)
+    fitted = fit_trajectory(t, move(t), v=move(t, 1))
+    assert fitted.peak(2)[0] == pytest.approx(move.peak(2)[0], rel=2e-6)
+
+
+def test_a_motion_with_velocities_moves_at_its_ends_where_they_say_so() -> None:
+    """It was taken for one from rest to rest, and its torque for unbounded; a turn of an encoder for motion."""
+    move = profiles.quintic([[0.0], [6.0]], [0.0, 2.0])
+    t = np.array([0.5, 0.8, 1.4, 1.9, 2.0])
+    fitted = fit_trajectory(t, (move(t) + np.pi) % (2 * np.pi) - np.pi, v=move(t, 1), continuous=[True])
+    assert (fitted.rest_before, fitted.rest_after) == (False, True)
+    assert fitted(t, 1) == pytest.approx(move(t, 1), abs=1e-12)
+    assert fitted.peak(2)[0] < 2 * move.peak(2)[0]
+    move, whole = profiles.classic_septic([[0.0], [6.0]], [0.0, 2.0]), np.linspace(0.0, 2.0, 5)
+    for ends, rests in (("rest", (True, True)), ("moving", (False, False)), ("auto", (True, True))):
+        found = fit_trajectory(whole, move(whole), v=move(whole, 1), ends=ends)  # type: ignore[arg-type]
+        assert (found.rest_before, found.rest_after) == rests
+
+
 def test_smoothing_holds_the_residual_and_removes_noise(motion: Trajectory, rng: np.random.Generator) -> None:
     t, noise = np.linspace(0, 9, 2001), 1e-3
     q = motion(t) + noise * rng.standard_normal((2001, 3))

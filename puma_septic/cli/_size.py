@@ -13,6 +13,7 @@ from puma_septic.cli._arguments import (
     add_profile,
     add_recording,
     add_task,
+    add_verbose,
     count,
 )
 from puma_septic.cli._parser import Answer
@@ -55,6 +56,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="also the least cycle time and the largest payload of the drives (some seconds)",
     )
     add_conditions(parser)
+    add_verbose(parser, "loads, checks and, with --catalogue, the best pairs; -vv: every check of those chosen")
     add_format(parser, "text", "json", "csv")
     add_out(parser, "report, JSON, CSV, load profiles and figures")
     add_recording(parser)

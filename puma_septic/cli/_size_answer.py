@@ -245,7 +245,9 @@ def _text(arguments: Namespace, asked: _Asked, found: Sizing | Selection, docume
     case = f" of {found.load_cases[0].name!r}" if found.load_cases[0].name else ""
     head = f"{asked.head}{case}: {', '.join(steps)}"
     view = sizing_view if isinstance(found, Sizing) else selection_view
-    return "\n\n".join([wrapped(head), wrapped(view.text(document)), *_more(found)])
+    if not arguments.verbose:
+        return "\n\n".join([wrapped(head), wrapped(view.short_text(document))])
+    return "\n\n".join([wrapped(head), wrapped(view.text(document)), *(_more(found) if arguments.verbose > 1 else [])])
 
 
 def _step(step: Motion | Dwell) -> str:

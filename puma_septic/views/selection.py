@@ -9,22 +9,57 @@ from typing import Any, Final
 
 from puma_septic.document import csv_text, numeric
 from puma_septic.limit_check import LimitCheck
-from puma_septic.views.sizing import reserve_lines
+from puma_septic.views.checks import percent
+from puma_septic.views.sizing import governing_rows, reserve_lines
 from puma_septic.views.tables import Cell, html_table, number, text_table
 
-__all__ = ["bill_csv", "html", "text"]
+__all__ = ["bill_csv", "html", "sentence", "short_text", "text"]
 
 Document = Mapping[str, Any]
 # A ratio beyond this is told as no bound: no gear train of a joint has one of the kind.
 _ANY_RATIO: Final = 1e6
+# A life beyond this, more than a century, is told as no number: the power law goes on where other causes end a gear.
+_MOST_HOURS: Final = 1e6
 _HEADS: Final = {
     "bill": "Bill of material",
     "choice": "Chosen, with the governing limit of each joint",
     "conditions": "Conditions",
     "cases": "Load cases",
     "pairs": "The best pairs of each joint",
-    "pairs_note": "use: utilisation of the governing limit; ratio window: by RMS torque and speed, without friction",
+    "pairs_note": "use: utilisation of the governing limit; best ratio and ratio window: by RMS torque and speed,"
+    " without friction",
 }
+
+
+def sentence(document: Document) -> str:
+    """The verdict, with mass, cost and the limit that governs where every joint has a pair."""
+    verdict = f"{document['verdict'][0].upper()}{document['verdict'][1:]}"
+    if document["sizing"] is None:
+        return f"{verdict}."
+    totals = document["totals"]
+    known = {"mass": f"{number(numeric(totals['mass']), 3)} kg", "cost": f"cost {numeric(totals['cost']):.6g}"}
+    said = [text for key, text in known.items() if not isnan(numeric(totals[key]))]
+    pairs = governing_rows(document["sizing"])
+    if pairs:
+        name, worst = max(pairs, key=lambda pair: pair[1].utilisation)
+        said.append(f"governing: {name} {worst.quantity}, {percent(worst.utilisation, 1)} of its limit")
+    return f"{verdict}: {', '.join(said)}." if said else f"{verdict}."
+
+
+def short_text(document: Document) -> str:
+    """What was chosen, what became of the pairs of joints without one, and what more there is."""
+    lines = [_title(document)]
+    if document["sizing"] is not None:
+        power = _power(document["totals"])
+        headers, rows = _choice(document)
+        # The life, the last column, comes with -v.
+        lines += ["", text_table(headers[:-1], [row[:-1] for row in rows]), *([power] if power else [])]
+    without = [f"{joint['name']}: {joint['explanation']}" for joint in document["joints"] if not joint["kept"]]
+    lines += ["", *without] if without else []
+    notes = [f"Note: {note}" for note in document["notes"]]
+    reserves = [f"{line[0].upper()}{line[1:]}." for line in reserve_lines(document)]
+    more = "More: -v shows the bill of material and the best pairs of each joint, -vv every check of those chosen."
+    return "\n".join([*lines, "", *reserves, *notes, more])
 
 
 def text(document: Document) -> str:
@@ -58,7 +93,9 @@ def bill_csv(document: Document) -> str:
 
 
 def _title(document: Document) -> str:
-    return f"{document['robot']}, cycle of {document['duration']:g} s, by {document['rank']}: {document['verdict']}"
+    said = sentence(document)[:-1]
+    head = f"{document['robot']}, cycle of {document['duration']:g} s, by {document['rank']}"
+    return f"{head}: {said[0].lower()}{said[1:]}"
 
 
 def _power(totals: Document) -> str:
@@ -166,8 +203,8 @@ def _whom(case: Document) -> str:
 
 def _pairs(document: Document) -> Table:
     headers = [
-        "joint", "motor", "gearbox", "mass [kg]", "cost", "use", "governing limit", "inertia ratio", "ratio", "best",
-        "window",
+        "joint", "motor", "gearbox", "mass [kg]", "cost", "use", "governing limit", "inertia ratio", "gear ratio",
+        "best ratio", "ratio window",
     ]  # fmt: skip
     rows: list[list[Cell]] = []
     for joint in document["joints"]:
@@ -176,7 +213,7 @@ def _pairs(document: Document) -> Table:
         if not joint["kept"]:
             reason = next(iter(joint["rejections"] or joint["unknowns"]), "")
             own.insert(0, ["none", "", "", "", "", reason, "", "", "", ""])
-        rows += [[joint["name"] if k == 0 else "", *cells] for k, cells in enumerate(own)]
+        rows += [[joint["name"], *cells] for cells in own]
     return headers, rows
 
 
@@ -212,7 +249,7 @@ def _ratio(value: float) -> str:
 
 def _hours(value: Any) -> str:
     hours = numeric(value)
-    return "unknown" if isnan(hours) else number(hours)
+    return "unknown" if isnan(hours) else f"over {_MOST_HOURS:g}" if hours > _MOST_HOURS else number(hours)
 
 
 def _explanations(document: Document) -> list[str]:

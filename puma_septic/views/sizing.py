@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from html import escape
 from math import isnan, pi
 from typing import Any, Final
 
 from puma_septic.document import csv_text, numeric
-from puma_septic.limit_check import LimitCheck
+from puma_septic.limit_check import LimitCheck, most_used_first
 from puma_septic.views.checks import percent, read_checks
 from puma_septic.views.tables import Cell, html_table, number, text_table
 
-__all__ = ["checks_csv", "html", "reserve_lines", "text"]
+__all__ = ["checks_csv", "governing_rows", "html", "reserve_lines", "short_text", "text"]
 
 Document = Mapping[str, Any]
 Table = tuple[list[str], list[list[Cell]]]
@@ -29,9 +29,22 @@ _ELECTRIC: Final = (
     "Electric side, at the motors' terminals: A, W and, over the cycle, J; winding: temperature rise in K; expected"
     " life of the gearbox in h"
 )
+_GOVERNING: Final = "Of each joint the limit that is used most; use: demand / limit; margin: 1 - use"
 # What is printed as 0.0 %.
 _IDLE: Final = 5e-4
 _CHECKS: Final = "use: utilisation, demand / limit; margin: 1 - use; ! marks a violated limit, ? a rule of thumb"
+
+
+def short_text(document: Document) -> str:
+    """The verdict, the limit that governs at each joint, what is lacking, and what more there is."""
+    lines = [_head(document), "", text_table(*_governing_table(document)), _GOVERNING, ""]
+    lacking = _lacking(document)
+    lines += [f"Not known of the least that decides a drive: {'; '.join(lacking)}."] if lacking else []
+    lines += [f"{line[0].upper()}{line[1:]}." for line in reserve_lines(document)]
+    kinds = len({line.partition(":")[0] for line in document["not_assessed"]})
+    lines += [f"Not assessed: {kinds} kinds of checks, of whose data too little is known."] if kinds else []
+    lines += [f"Remark: {remark}." for remark in _remarks(document)]
+    return "\n".join([*lines, "More: -v shows loads, the electric side, every check and what is not assessed."])
 
 
 def text(document: Document) -> str:
@@ -48,8 +61,19 @@ def html(document: Document) -> str:
     """The same for a notebook; every text is escaped."""
     parts = [f"<p><strong>{escape(_head(document))}</strong></p>"]
     parts += [html_table(*table, caption=note) for table, note in _tables(document)]
-    parts += [f"<p>{title}: {escape('; '.join(items))}</p>" for title, items in _lists(document).items()]
+    for title, items in _lists(document).items():
+        parts.append(f"<p>{title}:</p><ul>{''.join(f'<li>{escape(item)}</li>' for item in items)}</ul>")
     return "\n".join(parts)
+
+
+def governing_rows(document: Document) -> list[tuple[str, LimitCheck]]:
+    """Each joint that has a known limit, with the one that it uses most: a rule of thumb is none."""
+    rows: list[tuple[str, LimitCheck]] = []
+    for joint in document["joints"]:
+        limits = [check for check in read_checks(joint["checks"]) if check.kind != "rule of thumb"]
+        if limits and all(name != joint["name"] for name, _ in rows):
+            rows.append((joint["name"], most_used_first(limits)[0]))
+    return rows
 
 
 def checks_csv(document: Document) -> str:
@@ -125,14 +149,58 @@ def _compliance_table(document: Document) -> tuple[Table, str]:
 
 
 def _lists(document: Document) -> dict[str, list[str]]:
-    unknown = [f"{joint}: {', '.join(missing)}" for joint, missing in document["lacking"].items()]
     lists = {
         "Reserves": reserve_lines(document),
-        "Not known of the least that decides a drive": unknown,
+        "Not known of the least that decides a drive": _lacking(document),
         "Not assessed": document["not_assessed"],
-        "Remarks": document["remarks"],
+        "Remarks": _remarks(document),
     }
     return {title: lines for title, lines in lists.items() if lines}
+
+
+def _lacking(document: Document) -> list[str]:
+    """What is not known of the least, each once, with the joints of which it is not."""
+    return _once(((", ".join(missing), joint) for joint, missing in document["lacking"].items()), document)
+
+
+def _remarks(document: Document) -> list[str]:
+    """Each once: what is said of a joint, with all joints of which it is said."""
+    names = {joint["name"] for joint in document["joints"]}
+    parts = [remark.partition(": ") for remark in document["remarks"]]
+    of_joints = [(said, name) for name, _, said in parts if name in names]
+    others = [remark for remark, (name, _, _) in zip(document["remarks"], parts, strict=True) if name not in names]
+    return _once(of_joints, document) + others
+
+
+def _once(pairs: Iterable[tuple[str, str]], document: Document) -> list[str]:
+    joints: dict[str, list[str]] = {}
+    for what, name in pairs:
+        joints.setdefault(what, []).append(name)
+    every = len({joint["name"] for joint in document["joints"]})
+    return [
+        f"{what} ({'all joints' if len(names) == every > 1 else ', '.join(names)})" for what, names in joints.items()
+    ]
+
+
+def _governing_table(document: Document) -> Table:
+    """What governs at each joint, and in which load case where there are some."""
+    cased = bool(document["load_cases"])
+    headers = [
+        "joint",
+        "governing limit",
+        "demand",
+        "limit",
+        "unit",
+        *(["load case"] if cased else []),
+        "use",
+        "margin",
+    ]
+    rows: list[list[Cell]] = []
+    for name, c in governing_rows(document):
+        case = [c.case] if cased else []
+        use, margin = percent(c.utilisation, 1), percent(c.margin, 1)
+        rows.append([name, c.quantity, c.demand, c.limit, c.unit, *case, use, margin])
+    return headers, rows
 
 
 def _demand_table(document: Document) -> Table:

@@ -323,7 +323,7 @@ def test_a_first_user_s_arm_and_parts(tmp_path: Path, capsys: pytest.CaptureFixt
     task.write_text(PALLET.format(urdf=UR5, share=SHARE), encoding="utf-8")
     motors.write_text(MOTORS, encoding="utf-8")
     gears.write_text(GEARS, encoding="utf-8")
-    code = main(["size", str(task), "--catalogue", str(motors), str(gears), "--dwell", "0.5", "--keep", "1"])
+    code = main(["size", str(task), "--catalogue", str(motors), str(gears), "--dwell", "0.5", "--keep", "1", "-vv"])
     out = capsys.readouterr().out
     assert code == 0
     lines = [line.rstrip() for line in out.splitlines() if "H14-100" in line or "H25-160" in line]

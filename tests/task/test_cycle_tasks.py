@@ -190,7 +190,7 @@ def test_limits_of_the_tool_are_in_the_verdict() -> None:
     assert (fast.worst.joint, fast.worst.quantity, fast.worst.source) == ("tool", "speed", "hand-guided cell")
     assert fast.worst.demand == pytest.approx(0.4, abs=1e-9)
     assert "tool speed 0.4 m/s" in fast.verdict
-    assert "Limits of the tool: speed 0.4 (160 %!) of 0.25 m/s (hand-guided cell)" in str(fast)
+    assert "Limits of the tool: speed 0.4000 (160 %!) of 0.25 m/s (hand-guided cell)" in str(fast)
     slow = job({**step, "speed": 0.25}, "back", tool_limits={"speed": 0.25}).assess()
     assert slow.is_feasible
 

@@ -60,8 +60,12 @@ def run(count: int, seed: int) -> tuple[Counter[str], list[str]]:
                 offences.append(f"{text[:60]!r}: {status}, expected {' or '.join(right)}")
         rng = np.random.default_rng([seed, 3])
         for _ in range(count):
-            status = _status(port, _random_request(rng, port))
+            request = _random_request(rng, port)
+            status = _status(port, request)
             found[f"random: {status or 'none'}"] += 1
+            hosts = re.findall(rb"(?im)^host[ \t]*:[ \t]*(.*?)[ \t]*\r?$", request)
+            if status == "200" and hosts != [b"127.0.0.1:%d" % port]:
+                offences.append(f"{request!r}: 200")
         offences += _elsewhere(port)
         threads, size = threading.active_count(), _resident()
         for attack in (_silent, _reset, _unread):
@@ -87,8 +91,9 @@ def _status(port: int, request: bytes) -> str:
             answer = connection.recv(4096)
         except OSError:
             return ""
-    told = re.search(rb"\AHTTP/\S+ (\d+)|Error code: (\d+)", answer)  # to what is no HTTP/1, without a status line
-    return (told[1] or told[2]).decode() if told else "page" if answer else ""
+    # To what is no HTTP/1 there is no status line.
+    told = re.search(rb"\AHTTP/\S+ (\d+)|\A(\d+): |Error code: (\d+)", answer)
+    return next(filter(None, told.groups())).decode() if told else "200" if answer else ""
 
 
 def _random_request(rng: np.random.Generator, port: int) -> bytes:

@@ -70,5 +70,6 @@ def message_faults(message: str) -> str:
 def _told(message: str) -> Verdict:
     if fault := message_faults(message):
         words = re.sub(r"'[^']*'|\"[^\"]*\"|\S*/\S*|[^a-z ]", "", message).split()
-        return Verdict("message", " ".join([fault.split()[-1], *words[:8]]), f"{fault}: {message[:600]!r}")
+        kind = "long:" if fault.endswith("characters") else "unclean:"
+        return Verdict("message", " ".join([kind, *words[:8]]), f"{fault}: {message[:600]!r}")
     return Verdict("refused")

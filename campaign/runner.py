@@ -28,7 +28,7 @@ RESULTS: Final = Path("campaign-results").absolute()
 HANGS_AFTER, ADDRESS_SPACE = 60.0, 6_000_000_000
 CHUNK: Final = 500  # cases to a process
 KEPT_OF_A_KIND: Final = 3
-_TRIES: Final = 150  # at making an offender smaller
+_TRIES: Final = 60  # at making an offender smaller
 
 
 @dataclass(frozen=True)
@@ -141,13 +141,14 @@ def _judged(one: Format, path: Path) -> tuple[Verdict, float, int]:
 
 
 def _keep(one: Format, data: bytes, index: int, verdict: Verdict, tally: Tally, seed: int) -> None:
-    """Write an offender, made smaller, and what is wrong with it beside it; the first few of a kind."""
+    """Write an offender and what is wrong with it beside it: the first few of a kind, the very first made smaller."""
     kind = verdict.outcome, verdict.place
     tally.offences[kind] += 1
     if tally.offences[kind] > KEPT_OF_A_KIND:
         return
     RESULTS.mkdir(exist_ok=True)
-    small = smaller(one, data, verdict) if verdict.outcome in ("raw", "message", "unsound") else data
+    is_first = tally.offences[kind] == 1 and verdict.outcome in ("raw", "message", "unsound")
+    small = smaller(one, data, verdict) if is_first else data
     told = re.sub(r"\W+", "_", f"{verdict.outcome}_{verdict.place}")[:50].strip("_")
     path = RESULTS / f"{one.name}-{seed}-{index}-{told}{one.suffix}"
     path.write_bytes(small)

@@ -81,11 +81,14 @@ def _check_rows(text: str, column: tuple[str, str], parts: tuple[ps.Motor | ps.G
     if not rows or "key" not in rows[0] or rows[0].count(head) != 1 or rows[0].count("key") != 1:
         return
     key, place = rows[0].index("key"), rows[0].index(head)
-    said = {row[key].strip(): plain_number(row[place]) for row in rows[1:] if len(row) == len(rows[0])}
+    said: dict[str, list[float]] = {}  # of a key that is there twice one row is refused
+    for row in rows[1:]:
+        if len(row) == len(rows[0]):
+            said.setdefault(row[key].strip(), []).append(plain_number(row[place]))
     for part in parts:
-        value = said.get(part.name, np.nan)
-        if not np.isnan(value):
-            same(f"{attribute} of a part", getattr(part, attribute), value, tolerance=1e-15)
+        values = said.get(part.name, [np.nan])
+        if not np.isnan(values).any() and getattr(part, attribute) not in values:
+            same(f"{attribute} of a part", getattr(part, attribute), values[0], tolerance=1e-15)
 
 
 def _in_cell(rng: Rng, text: str, change: Callable[[str], str], *, head: bool = False) -> str:

@@ -15,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import puma_septic as ps
+from puma_septic.friction import friction_function, friction_terms, loss_along
 from puma_septic.piecewise import Piecewise
 
 STICKY = ps.Friction(viscous=0.01, coulomb=[0.4, -0.5], static=[0.7, -0.6], stribeck_velocity=5.0)
@@ -299,3 +300,26 @@ def test_pairs_with_stribeck_friction_are_assessed_in_full() -> None:
         assert one.n_assessed == 1
         if violated:
             assert one.reasons[0] == violated[0].quantity
+
+
+# ---- many joints at once, and small loads
+
+
+def test_the_function_of_many_joints_is_the_sum_of_their_laws() -> None:
+    """What a simulation asks at every step: with and without Stribeck's excess, dry friction, any friction at all."""
+    viscous, dry = ps.Friction(viscous=0.7), ps.Friction(viscous=0.2, coulomb=[0.4, -0.5])
+    v = np.array([[3.0, -0.3, 2.5], [-2.0, 0.0, -1.5]])
+    ways = np.sign(v)
+    for laws in ([STICKY, viscous, dry], [dry, viscous, dry], [viscous, viscous, viscous], [ps.Friction()] * 3):
+        expected = np.column_stack([law.torque(v[:, j], ways[:, j]) for j, law in enumerate(laws)])
+        np.testing.assert_allclose(friction_function(laws)(v, ways), expected, rtol=1e-14, atol=1e-16)
+        np.testing.assert_allclose(sum(friction_terms(laws, v, ways).values()), expected, rtol=1e-14, atol=1e-16)
+        assert [law.excess.shape for law in laws] == [(2,)] * 3
+
+
+def test_a_load_of_millinewton_metres_is_lost_in_gears_as_any_other() -> None:
+    """Rounding is judged by the load itself: 1e-9 N m that changes sign loses 10 % one way, 20 % the other."""
+    transmission = np.array([[0.8, 1.0, 0.9]])
+    load = Piecewise.from_power([0.0, 1.0], [[[-1e-9]], [[2e-9]]])
+    found = loss_along(transmission, load, Piecewise.constant([1.0], 1.0))
+    np.testing.assert_allclose(found([0.0, 0.25, 0.75, 1.0]).ravel(), [2e-10, 1e-10, -5e-11, -1e-10], rtol=1e-12)

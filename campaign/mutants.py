@@ -1,7 +1,7 @@
-"""Does the test suite find what is wrong? Seeded mutants of the core rooms, by cosmic-ray: ``python -m campaign.mutants``.
+"""Do the tests find what is wrong? Seeded mutants of the core rooms, by cosmic-ray: ``python -m campaign.mutants``.
 
-Of each room a number of mutants is drawn; each is tested by the tests that belong to its room, the quick tier first. What
-survives is written down with its difference, to be killed by a new test or told equivalent.
+Of each room some mutants are drawn, and each is tested by the quick tests that belong to its room. What survives is
+written down with its difference, to be killed by a new test or told equivalent. Needs the package cosmic-ray.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ ROOMS: Final = {
     "profiles": ("profiles", "tests/profiles"),
     "trajectory": ("trajectory.py", "tests/test_trajectory.py tests/profiles"),
     "friction": ("friction.py", "tests/test_friction.py tests/test_dynamics.py"),
-    "dynamics": ("dynamics.py", "tests/test_dynamics.py tests/test_motion.py"),
+    "dynamics": ("dynamics.py", "tests/test_dynamics.py tests/robot tests/simulation/test_simulate.py"),
     "motion": ("motion.py", "tests/test_motion.py tests/test_truth.py tests/assessment"),
     "limit_check": ("limit_check.py", "tests/test_limit_check.py tests/assessment"),
     "assessment": ("assessment", "tests/assessment tests/cycle tests/test_truth.py"),
@@ -33,7 +33,7 @@ ROOMS: Final = {
     "drives": ("drives", "tests/drives tests/sizing"),
     "sizing": ("sizing", "tests/sizing"),
 }
-# Annotations such as ``A | None`` are never evaluated; decorators make values and properties, without which nothing imports.
+# Annotations such as ``A | None`` are never evaluated; without decorators that make values nothing imports.
 _LEFT_OUT: Final = ("BinaryOperator_BitOr", "RemoveDecorator")
 _LONGEST: Final = 300.0  # s, for a mutant that makes a loop endless
 

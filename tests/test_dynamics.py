@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import puma_septic as ps
-from puma_septic.dynamics import TERMS, TorqueTerms, mass_matrix
+from puma_septic.dynamics import TERMS, TorqueTerms, check_plain_friction, mass_matrix
 
 # The toolbox prints 16 digits of torques up to 100 N m; both add up some hundred products.
 ORACLE_TOLERANCE = 1e-9
@@ -276,3 +277,47 @@ def test_shapes_and_numbers_are_checked_with_the_joint_s_name(puma: ps.Robot) ->
         ps.inverse_dynamics(puma, np.zeros(5), np.zeros(5), np.zeros(5))
     with pytest.raises(ps.InputError, match=r"joint 'joint3': v\[2\] = nan"):
         ps.inverse_dynamics(puma, rest, [0, 0, np.nan, 0, 0, 0], rest)
+
+
+# --- the other way, and gears that lose a part of their load --------------------------------------
+
+
+@pytest.mark.parametrize("friction", [True, False])
+def test_forward_dynamics_undoes_inverse_dynamics(puma: ps.Robot, rng: np.random.Generator, friction: bool) -> None:
+    """With payload, wrench, rotors and friction; one sample and many."""
+    robot = puma.with_payload(ps.Payload(mass=2.0, com=[0.0, 0.05, 0.1]))
+    robot = robot.with_wrench(ps.Wrench(force=[3.0, -20.0, 5.0], torque=[0.5, 0.0, 1.0]))
+    q, v, a = (rng.uniform(-1, 1, (5, 6)) for _ in range(3))
+    tau = ps.inverse_dynamics(robot, q, v, a, friction=friction)
+    np.testing.assert_allclose(ps.forward_dynamics(robot, q, v, tau, friction=friction), a, rtol=0, atol=1e-9)
+    one = ps.forward_dynamics(robot, q[0], v[0], tau[0], friction=friction)
+    np.testing.assert_allclose(one, a[0], rtol=0, atol=1e-9)
+
+
+def lossy(robot: ps.Robot, share: float) -> ps.Robot:
+    """The robot with gears that lose this share of their load, and no friction beside it."""
+    law = ps.Friction(viscous=0.0, coulomb=[0.0, 0.0], load_share=share)
+    return robot.with_drivetrains(replace(train, measured_friction=law) for train in robot.drivetrains)
+
+
+def test_gears_lose_their_share_of_what_passes_them_and_nothing_of_the_rotor_s(
+    puma: ps.Robot, rng: np.random.Generator
+) -> None:
+    """The motor accelerates its own rotor; all else passes the gears: a tenth more to drive, a tenth less to brake."""
+    robot = lossy(puma, 0.1)
+    q, v, a = (rng.uniform(-1, 1, (40, 6)) for _ in range(3))
+    whole = ps.inverse_dynamics(puma, q, v, a, friction=False)
+    through = whole - puma.armature * a
+    expected = whole + 0.1 * np.abs(through) * np.sign(v)
+    np.testing.assert_allclose(ps.inverse_dynamics(robot, q, v, a), expected, rtol=0, atol=ROUNDING)
+    np.testing.assert_allclose(
+        ps.inverse_dynamics(robot, q, 0 * v, a), ps.inverse_dynamics(puma, q, 0 * v, a), rtol=0, atol=ROUNDING
+    )
+
+
+def test_what_scales_in_time_takes_only_plain_friction(puma: ps.Robot) -> None:
+    check_plain_friction(puma, "this")
+    with pytest.raises(ps.InputError, match=r"this knows viscous and Coulomb friction alone; 'joint1', .* of robot"):
+        check_plain_friction(lossy(puma, 0.1), "this")
+    with pytest.raises(ps.InputError, match="forward dynamics knows no gears that lose a part of their load"):
+        ps.forward_dynamics(lossy(puma, 0.1), [0.0] * 6, [0.1] * 6, [0.0] * 6)

@@ -84,6 +84,11 @@ def _add_choice(parser: ArgumentParser) -> None:
         " (the same for revolute joints: the drive is on the joint's axis)",
     )
     parser.add_argument(
+        "--front",
+        action="store_true",
+        help="with --catalogue: also the choices for the whole arm that no other beats in mass, cost and margin",
+    )
+    parser.add_argument(
         "--same",
         action="append",
         type=_names,

@@ -31,6 +31,7 @@ from puma_septic.sizing import (
     Sizing,
     conditions_of,
     cycle_case,
+    front_document,
     largest_payload,
     least_cycle_time,
     load_cases_of,
@@ -55,7 +56,8 @@ def answer(arguments: Namespace) -> Answer:
     own = found.to_dict()
     conditions = {**_of_the_cycle(asked.conditions), **own["conditions"]}
     reserves = _reserves(found) if arguments.reserves else {}
-    document = {**asked.document, **own, "conditions": conditions, **reserves, "inputs": _inputs(arguments)}
+    front = {"front": front_document(found.front())} if arguments.front and isinstance(found, Selection) else {}
+    document = {**asked.document, **own, "conditions": conditions, **reserves, **front, "inputs": _inputs(arguments)}
     if arguments.out is not None:
         _write_folder(arguments, found, document, f"{asked.name}: sizing")
     text = with_report(_text(arguments, asked, found, document), arguments)
@@ -195,7 +197,8 @@ def _conditions(arguments: Namespace, own: dict[str, Any]) -> ConditionsSection:
 
 def _own_sizing(arguments: Namespace, asked: _Asked) -> Sizing:
     """The arm's own drives, as far as a file, the built-in one, or its actuators alone tell."""
-    idle = [f"--{name}" for name in ("rank", "keep", "masses", "same") if getattr(arguments, name) is not None]
+    named = ("rank", "keep", "masses", "same", "front")
+    idle = [f"--{name}" for name in named if getattr(arguments, name) not in (None, False)]
     if idle:
         raise InputError(f"{', '.join(idle)} goes with --catalogue: name the parts to choose from")
     try:
@@ -270,7 +273,7 @@ def _write_folder(arguments: Namespace, found: Sizing | Selection, document: dic
     with new_folder(arguments.out, overwrite=arguments.force) as folder:
         (folder / "sizing.json").write_text(to_json(document), encoding="utf-8")
         # Templates, the replay and matplotlib take longer to load than everything else takes to compute.
-        from puma_septic.pictures.sizing import sizing_pictures
+        from puma_septic.pictures.sizing import arm_front_picture, sizing_pictures
         from puma_septic.report.figures import write_png
         from puma_septic.report.page import report_html
         from puma_septic.report.svg import write_svg
@@ -289,6 +292,8 @@ def _write_folder(arguments: Namespace, found: Sizing | Selection, document: dic
             (folder / f"motor-profile-{part}.csv").write_text(motor_profile_csv(motor), encoding="utf-8")
             (folder / f"load-profile-{part}.csv").write_text(load_profile_csv(load), encoding="utf-8")
         pictures = sizing_pictures(sizing)
+        if "front" in document and isinstance(found, Selection):
+            pictures = (arm_front_picture(found.front()), *pictures)
         write_svg(folder, pictures)
         if not arguments.no_png:
             write_png(folder, pictures)

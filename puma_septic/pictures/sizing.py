@@ -25,10 +25,11 @@ from puma_septic.pictures._elements import (
 from puma_septic.pictures._styles import DOTTED, FAINT, LIMIT, PROFILES, Dot, Fill, Line, Style, cause_lines
 from puma_septic.pictures._utilisation import END, percent_text
 from puma_septic.piecewise import sampled
-from puma_septic.sizing import Demands, Sizing
+from puma_septic.sizing import ArmChoice, Demands, Sizing
 from puma_septic.validation import Array
 
 __all__ = [
+    "arm_front_picture",
     "ratio_sweep_picture",
     "sizing_pictures",
     "sizing_torque_split_picture",
@@ -42,6 +43,7 @@ _SOLID, _SECOND = Line(hue=PROFILES[0], width=1.5), Line(hue=PROFILES[1], width=
 _HOUSING, _BEYOND = Line(hue=PROFILES[5], width=1.5), Line(hue=FAINT, width=1.5)
 _DOT: Final = Dot(shape="dot", hue=PROFILES[1])
 _VOLTAGE, _CURRENT = Line(hue=PROFILES[4], width=1.2), Line(hue=PROFILES[3], dash=(2.4, 2.0), width=1.2)
+_CHOICE: Final = Dot(shape="dot", hue=PROFILES[0])
 # Speeds at which the line of the voltage is computed; and how far above all else it, and that of the current, is drawn.
 _SPEEDS: Final = 201
 _ABOVE: Final = 1.6
@@ -291,6 +293,20 @@ def _rms_over_ratio(d: Demands) -> Array:
     gram = np.array([[float(f.inner(g)[0]) / size for g in functions] for f in functions])
     c = np.column_stack([1 / _RATIOS, _RATIOS, np.ones_like(_RATIOS)])
     return np.asarray(np.sqrt(np.maximum(np.einsum("ni,ij,nj->n", c, gram, c), 0.0)))
+
+
+def arm_front_picture(front: Sequence[ArmChoice]) -> Picture:
+    """Mass and cost of each choice for the whole arm vs. the margin that it leaves; unknown ones are left out."""
+    panels = []
+    for name, label in (("mass", "mass of motors and gearboxes [kg]"), ("cost", "cost of motors and gearboxes")):
+        points = np.array([[getattr(choice, name), 100 * choice.margin] for choice in front]).reshape(-1, 2)
+        points = points[np.isfinite(points).all(axis=1)]
+        marks = [Mark(x=x, y=y, dot=_CHOICE) for x, y in points.tolist()]
+        if not marks:
+            panels.append(saying(name, f"no {name} is known"))
+            continue
+        panels.append(chart("still", [], title=name, x_label=label, y_label="least margin [%]", marks=marks))
+    return _picture("arm-front", "Choices for the whole arm that no other beats", panels, {"a choice": _CHOICE})
 
 
 def _picture(name: str, title: str, panels: Sequence[Panel], legend: Mapping[str, Style]) -> Picture:

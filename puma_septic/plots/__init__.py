@@ -18,6 +18,7 @@ from puma_septic.plots._motion import (
     plot_workspace,
 )
 from puma_septic.plots._sizing import (
+    plot_arm_front,
     plot_ratio_sweep,
     plot_sizing_torque_split,
     plot_sizing_utilisation,
@@ -28,6 +29,7 @@ from puma_septic.plots._sizing import (
 __all__ = [
     "draw",
     "paper_figures",
+    "plot_arm_front",
     "plot_comparison",
     "plot_joints",
     "plot_pareto_front",

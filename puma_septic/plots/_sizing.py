@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from puma_septic.errors import InputError
 from puma_septic.pictures.sizing import (
+    arm_front_picture,
     ratio_sweep_picture,
     sizing_torque_split_picture,
     sizing_utilisation_picture,
@@ -15,9 +16,10 @@ from puma_septic.pictures.sizing import (
     winding_temperature_picture,
 )
 from puma_septic.plots._drawing import OnAxes, draw
-from puma_septic.sizing import Sizing
+from puma_septic.sizing import ArmChoice, Sizing
 
 __all__ = [
+    "plot_arm_front",
     "plot_ratio_sweep",
     "plot_sizing_torque_split",
     "plot_sizing_utilisation",
@@ -134,3 +136,21 @@ def plot_ratio_sweep(sizing: Sizing, *, joints: str | Sequence[str] | None = Non
     Parameters, result and errors are those of `plot_torque_speed`.
     """
     return draw(ratio_sweep_picture(sizing), joints=joints, ax=ax)
+
+
+def plot_arm_front(front: Sequence[ArmChoice], *, ax: OnAxes | None = None) -> Figure:
+    """Draw mass and cost of each choice for the whole arm vs. the margin that it leaves.
+
+    Parameters
+    ----------
+    front : sequence of ArmChoice
+        As `Selection.front` returns it.
+    ax : sequence of matplotlib Axes, optional
+        Where to draw, one for mass and one for cost; a figure of its own by default.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Neither shown nor saved.
+    """
+    return draw(arm_front_picture(front), ax=ax)

@@ -18,7 +18,7 @@ from puma_septic.paper import PaperReport
 from puma_septic.pictures import Picture
 from puma_septic.pictures.comparison import comparison_picture, optimisation_picture
 from puma_septic.pictures.execution import execution_pictures
-from puma_septic.pictures.sizing import sizing_pictures
+from puma_septic.pictures.sizing import arm_front_picture, sizing_pictures
 from puma_septic.report._documents import profile_labels
 from puma_septic.robot import Robot
 from puma_septic.simulation import Execution, Simulation
@@ -329,6 +329,7 @@ def _selection_case(selection: Selection, title: str | None, document: Mapping[s
     sizing = selection.sizing
     chosen = "" if sizing is None else f"<h3>The first pair of each joint</h3>{sizing._repr_html_()}{_BELOW}"
     verdict = selection.verdict
+    front = (arm_front_picture(selection.front()),) if document.get("front") else ()
     return Case(
         title=_titled(group, title),
         assessments=group,
@@ -336,7 +337,7 @@ def _selection_case(selection: Selection, title: str | None, document: Mapping[s
         is_feasible=selection.is_feasible,
         sentence=f"{verdict[0].upper()}{verdict[1:]}.",
         preface=_boxed(selection_view.html(document) + chosen),
-        pictures=() if sizing is None else sizing_pictures(sizing),
+        pictures=() if sizing is None else (*front, *sizing_pictures(sizing)),
         inputs=_repeating(document),
         is_undecided=not selection.can_be_decided,
     )

@@ -6,6 +6,7 @@ from puma_septic.sizing._compliance import Compliance, compliance
 from puma_septic.sizing._conditions import Conditions
 from puma_septic.sizing._demands import Demands, Peak
 from puma_septic.sizing._drive_masses import select_consistent, with_drive_masses
+from puma_septic.sizing._front import ArmChoice, front_document
 from puma_septic.sizing._gearbox import allowed_momentary_peaks, average_torque
 from puma_septic.sizing._joint_selection import JointSelection
 from puma_septic.sizing._load_cases import LoadCase
@@ -21,6 +22,7 @@ from puma_septic.sizing._thermal import overload_time
 from puma_septic.sizing._torque_speed import torque_at_speed
 
 __all__ = [
+    "ArmChoice",
     "BearingLoad",
     "Candidate",
     "Compliance",
@@ -48,6 +50,7 @@ __all__ = [
     "conditions_of",
     "cycle_case",
     "equivalent_load",
+    "front_document",
     "gearbox_load",
     "joint_load",
     "largest_payload",

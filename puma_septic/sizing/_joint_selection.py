@@ -24,7 +24,7 @@ from puma_septic.sizing._pair_demands import PairDemands, PeakBounds
 from puma_septic.sizing._pair_features import PairParts, PairTable, pair_parts
 from puma_septic.validation import Array, FrozenMap, checked_choice, freeze_fields
 
-__all__ = ["RANKS", "JointSelection", "Rank", "select_joint"]
+__all__ = ["RANKS", "JointSelection", "Rank", "select_joint", "undominated"]
 
 Rank = Literal["mass", "cost", "margin"]
 RANKS: Final[tuple[Rank, ...]] = ("mass", "cost", "margin")
@@ -160,14 +160,14 @@ class JointSelection:
         rows = np.flatnonzero(self.is_feasible)
         sizes = [np.nan_to_num(v[rows], nan=np.inf) for v in (self.catalogue.masses(), self.catalogue.costs())]
         low, high = self.utilisation[rows], np.fmin(self._highest[rows], 1 + AT_LIMIT)
-        possible = rows[_undominated(np.column_stack([*sizes, low]), np.column_stack([*sizes, high]))]
+        possible = rows[undominated(np.column_stack([*sizes, low]), np.column_stack([*sizes, high]))]
         found = [self.assessed(int(k)) for k in possible]
         exact = np.array([[*np.nan_to_num([c.mass, c.cost], nan=np.inf), c.stress] for c in found]).reshape(-1, 3)
-        best = [found[i] for i in np.flatnonzero(_undominated(exact, exact)).tolist()]
+        best = [found[i] for i in np.flatnonzero(undominated(exact, exact)).tolist()]
         return tuple(sorted(best, key=lambda c: tuple(np.nan_to_num([c.mass, c.cost, c.stress], nan=np.inf))))
 
 
-def _undominated(least: Array, most: Array) -> NDArray[np.bool_]:
+def undominated(least: Array, most: Array) -> NDArray[np.bool_]:
     """Rows of `least` that no row of `most` equals or undercuts in every column, and undercuts in one."""
     left = np.ones(len(least), dtype=bool)
     for k in np.lexsort(most.T[::-1]).tolist():

@@ -17,6 +17,7 @@ from puma_septic.errors import InputError
 from puma_septic.sizing._candidates import Candidate
 from puma_septic.sizing._conditions import Conditions
 from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_drivetrains
+from puma_septic.sizing._front import ArmChoice, arm_front
 from puma_septic.sizing._joint_selection import RANKS, JointSelection, Rank, select_joint
 from puma_septic.sizing._load_cases import LoadCase, joint_cases, position_remarks
 from puma_septic.sizing._result import Sizing, case_document, sized
@@ -145,6 +146,22 @@ class Selection:
         """Without that of a rare load case, which is its own."""
         places = self.joints[j].places
         return float("nan") if places is None else places[j].momentary_torque
+
+    def front(self) -> tuple[ArmChoice, ...]:
+        """Choices for the whole arm than which no other is as light, as cheap and as little used; lightest first.
+
+        Of the pairs that are strong enough at the load cases as they are: with the masses of the chosen parts on the
+        arm these are those of the choice at hand. Empty where a joint has no such pair.
+
+        Returns
+        -------
+        tuple of ArmChoice
+        """
+        return self._front
+
+    @cached_property
+    def _front(self) -> tuple[ArmChoice, ...]:
+        return arm_front(self.joints)
 
     def joint(self, name: str) -> JointSelection:
         """The selection at one joint."""

@@ -20,11 +20,14 @@ Document = Mapping[str, Any]
 _ANY_RATIO: Final = 1e6
 # A life beyond this, more than a century, is told as no number: the power law goes on where other causes end a gear.
 _MOST_HOURS: Final = 1e6
+# Choices for the whole arm that are shown.
+_SHOWN: Final = 20
 _HEADS: Final = {
     "bill": "Bill of material",
     "choice": "Chosen, with the governing limit of each joint",
     "conditions": "Conditions",
     "cases": "Load cases",
+    "front": "Choices for the whole arm that no other beats in mass, cost and margin together",
     "pairs": "The best pairs of each joint",
     "pairs_note": "use: utilisation of the governing limit; best ratio and ratio window: by RMS torque and speed,"
     " without friction",
@@ -118,6 +121,8 @@ def _sections(document: Document) -> list[tuple[str, Table, str]]:
         sections.append((_HEADS["conditions"], _conditions(document["conditions"]), ""))
     if document["load_cases"]:
         sections.append((_HEADS["cases"], _cases(document["load_cases"]), ""))
+    if document.get("front"):
+        sections.append((_HEADS["front"], _front(document["front"]), _front_note(document["front"])))
     if any(joint["kept"] or joint["undecided"] for joint in document["joints"]):
         lacking = any(joint["undecided"] for joint in document["joints"])
         note = _HEADS["pairs_note"] + ("; not decidable: enough is not known of the pair" if lacking else "")
@@ -171,6 +176,24 @@ def _conditions(conditions: Document) -> Table:
         else:
             rows.append([name.replace("_", " "), _listed(value)])
     return ["condition", "value"], rows
+
+
+def _front(front: Sequence[Document]) -> Table:
+    """The lightest, and what the others change beside the one before."""
+    headers = ["mass [kg]", "cost", "margin", "pairs"]
+    rows: list[list[Cell]] = []
+    before: dict[str, str] = {}
+    for choice in front[:_SHOWN]:
+        pairs = {pair["joint"]: f"{pair['motor']} with {pair['gearbox']}" for pair in choice["pairs"]}
+        told = "; ".join(f"{joint} {pair}" for joint, pair in pairs.items() if before.get(joint) != pair)
+        rows.append([numeric(choice["mass"]), numeric(choice["cost"]), _percent(choice["margin"]), told])
+        before = pairs
+    return headers, rows
+
+
+def _front_note(front: Sequence[Document]) -> str:
+    more = len(front) - _SHOWN
+    return "pairs: where they differ from the line above" + (f"; {more} heavier choices not shown" if more > 0 else "")
 
 
 def _listed(value: Any) -> str:

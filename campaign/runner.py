@@ -120,8 +120,11 @@ def _work(one: Format, cases: range | list[bytes], seed: int, answers: Connectio
     for stream in (0, 1, 2):
         os.dup2(null, stream)
     with TemporaryDirectory() as folder:
-        os.chdir(folder)
-        path = Path(folder) / f"case{one.suffix}"
+        # Deep enough that nobody looks for a robot's packages in a full folder of temporary files.
+        home = Path(folder, *"abcdef")
+        home.mkdir(parents=True)
+        os.chdir(home)
+        path = home / f"case{one.suffix}"
         for index in cases if isinstance(cases, range) else range(len(cases)):
             data = case_bytes(one, seed, index) if isinstance(cases, range) else cases[index]
             path.write_bytes(data)

@@ -15,7 +15,7 @@ import puma_septic as ps
 MAX_MESSAGE: Final = 2_000  # characters: some twenty lines, what a reader still looks through
 MAX_SECONDS: Final = 2.0  # of the processor, so that a busy machine changes nothing
 MAX_BYTES: Final = 500_000_000  # resident, the interpreter and its libraries included
-# Control characters but the line feed between two faults and the tab, what turns the direction of text, and other line ends.
+# Control characters but line feed and tab, what turns the direction of text, and other line ends.
 UNCLEAN: Final = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 
 

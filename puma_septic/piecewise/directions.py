@@ -52,16 +52,19 @@ def find_directions(position: Piecewise, turns: Sequence[Array], resolution: Arr
     function = position.from_zero()
     turned = _turned(function, turns, np.maximum(STILL, resolution).tolist())
     recorded = np.flatnonzero(resolution).tolist()
-    for j in recorded:
-        when, signs = turned[j]
-        turned[j] = _at_steps(function[j], when, float(resolution[j])), signs
     rests = [_recorded_rests(function[j], float(resolution[j])) for j in recorded]
+    for j, (seen, real) in zip(recorded, rests, strict=True):
+        when = _at_steps(function[j], turned[j][0], float(resolution[j]))
+        for (first, last), rest in zip(seen, real, strict=True):
+            # A joint that turns while it seems to rest has turned when it sets out.
+            when = np.where((first <= when) & (when <= last), when.clip(*rest), when)
+        turned[j] = when, turned[j][1]
     unit = function.stepwise(np.ones((len(function.lengths), 1)))
-    unit = unit.split(np.concatenate([*(when for when, _ in turned), *map(np.ravel, rests)]))
+    unit = unit.split(np.concatenate([*(when for when, _ in turned), *(real.ravel() for _, real in rests)]))
     middles = unit.middles
     directions = np.array([signs[when.searchsorted(middles)] for when, signs in turned]).T.copy()
-    for j, spans in zip(recorded, rests, strict=True):
-        for first, last in spans:
+    for j, (_, real) in zip(recorded, rests, strict=True):
+        for first, last in real:
             directions[(middles > first) & (middles < last), j] = 0.0
     brief = np.where(resolution > 0, REST_TIME, _BRIEF)
     directions[_creeping(function, brief)[function.offsets[1:-1].searchsorted(middles)]] = 0.0
@@ -119,20 +122,20 @@ def _at_steps(position: Piecewise, when: Array, resolution: float) -> Array:
     return np.where(apart <= resolution, nearest, when)
 
 
-def _recorded_rests(position: Piecewise, resolution: float) -> Array:
-    """Starts and ends (k, 2) of the spans in which the only component stays within its resolution long enough."""
+def _recorded_rests(position: Piecewise, resolution: float) -> tuple[Array, Array]:
+    """Where the only component stays within its resolution for long enough, and where it rests then: spans (k, 2)."""
     count = int(position.duration / REST_TIME * _SAMPLES) + 1
     if not resolution or count <= _SAMPLES:
-        return np.empty((0, 2))
+        return np.empty((0, 2)), np.empty((0, 2))
     times = np.linspace(0.0, position.duration, count)
     windows = np.lib.stride_tricks.sliding_window_view(position(times)[:, 0], _SAMPLES + 1)
     quiet = np.concatenate([[False], windows.max(axis=1) - windows.min(axis=1) <= resolution, [False]])
     first, last = np.flatnonzero(quiet[1:] & ~quiet[:-1]), np.flatnonzero(quiet[:-1] & ~quiet[1:])
-    starts, ends = times[first], times[np.minimum(last - 1 + _SAMPLES, count - 1)]
-    spans = np.column_stack(
-        [_rest_ends(position, starts, -1.0, resolution), _rest_ends(position, ends, 1.0, resolution)]
-    )
-    return spans[spans[:, 0] < spans[:, 1]]
+    seen = np.column_stack([times[first], times[np.minimum(last - 1 + _SAMPLES, count - 1)]])
+    ends = zip(seen.T, (-1.0, 1.0), strict=True)
+    real = np.column_stack([_rest_ends(position, instants, way, resolution) for instants, way in ends])
+    rests = real[:, 0] < real[:, 1]
+    return seen[rests], real[rests]
 
 
 def _rest_ends(position: Piecewise, seen: Array, way: float, resolution: float) -> Array:

@@ -118,7 +118,7 @@ def key_times(motion: Motion) -> Array:
     step = max(step, trajectory.duration / _MOST_KEYS)
     breaks = np.union1d(trajectory.breaks, motion.torque.breaks)
     if len(breaks) > _MOST_KEYS:  # of a recorded motion, in which nothing happens at most of them
-        return np.linspace(breaks[0], breaks[-1], _MOST_KEYS)
+        return np.linspace(breaks[0], breaks[-1], int(np.ceil(trajectory.duration / step)) + 1)
     counts = np.ceil(np.diff(breaks) / step).astype(int)
     spans = zip(breaks[:-1], breaks[1:], counts, strict=True)
     inner = [np.linspace(start, stop, count, endpoint=False) for start, stop, count in spans]

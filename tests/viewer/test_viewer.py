@@ -130,6 +130,18 @@ def test_between_key_frames_the_tool_is_where_it_should_be(paper: tuple[ps.Asses
         assert np.abs(tool_from_key_frames(html, t)[:3, 3] - expected).max() < 6 * 1.2 * ANGLE_ERROR
 
 
+def test_a_log_of_many_samples_has_as_many_key_frames_as_its_motion_takes(puma: ps.Robot) -> None:
+    """It had 3,000, however slow: half of the report of 100,000 rows, and of the time to write it."""
+    t = np.linspace(0.0, 4.0, 4001)
+    move = ps.quintic_segments([[0.0, 0.6, -2.2, 0.0, 0.3, 0.0], [1.0, 1.2, -2.6, 0.2, 0.6, 0.1]], [0.0, 4.0])
+    motion = ps.compute_motion(puma, ps.fit_trajectory(t, move(t)))
+    times = key_times(motion)
+    assert 120 <= len(times) < 200  # thirty a second, or as many as its acceleration asks for
+    middle = motion.trajectory((times[:-1] + times[1:]) / 2)
+    ends = motion.trajectory(times)
+    assert np.abs(middle - (ends[:-1] + ends[1:]) / 2).max() < ANGLE_ERROR
+
+
 def test_prismatic_and_continuous_joints_move(tmp_path: Path) -> None:
     slide = ARM.replace('name="elbow" type="revolute"', 'name="elbow" type="prismatic"')
     turn = slide.replace('name="shoulder" type="revolute"', 'name="shoulder" type="continuous"')

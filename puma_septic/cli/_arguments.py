@@ -293,7 +293,7 @@ def asked_units(arguments: Namespace) -> Units:
 
 
 def origin(arguments: Namespace) -> dict[str, str]:
-    """Where a report comes from: date, command line, file and versions."""
+    """Where a report comes from: date, command line, file and versions, with their revisions where Git knows them."""
     import platform
     import shlex
     from datetime import datetime
@@ -302,13 +302,30 @@ def origin(arguments: Namespace) -> dict[str, str]:
     from puma_septic._version import __version__
 
     file = getattr(arguments, "csv", None) or getattr(arguments, "task", None)
+    folder = Path(file).absolute().parent if file and Path(file).is_file() else None
     libraries = ", ".join(f"{name} {version(name)}" for name in ("pin", "numpy", "scipy"))
+    own = f"puma-septic {__version__}{_revision(Path(__file__).parent)}"
     return {
         "made": datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z"),
         "command": shlex.join(["puma-septic", *getattr(arguments, "typed", ())]),
-        **({"file": str(file)} if file else {}),
-        "with": f"puma-septic {__version__}, Python {platform.python_version()}, {libraries}",
+        **({"file" if folder else "task": f"{file}{_revision(folder)}"} if file else {}),
+        "with": f"{own}, Python {platform.python_version()}, {libraries}",
     }
+
+
+def _revision(folder: Path | None) -> str:
+    """The commit that a folder of a Git repository is at, and whether its files were changed since; else nothing."""
+    import subprocess
+
+    if folder is None or not any((parent / ".git").exists() for parent in (folder, *folder.parents)):
+        return ""
+    # A repository's own settings run no program of theirs here.
+    command = ["git", "-c", "core.fsmonitor=false", "describe", "--always", "--dirty", "--exclude=*"]
+    try:
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=5, check=True)
+    except (OSError, subprocess.SubprocessError):  # no Git, a repository of somebody else, or one without a commit
+        return ""
+    return f" (git {done.stdout.strip()})"
 
 
 def _names(text: str) -> tuple[str, ...]:

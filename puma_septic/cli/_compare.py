@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from puma_septic.cli._arguments import (
@@ -82,13 +83,14 @@ def run(arguments: Namespace) -> Answer:
 
         what = recorded(arguments)
         comparison, title, head = _beside(what.motion.trajectory, what.robot, arguments), what.path, told(what)
+        names: Sequence[str] = ()
     else:
         resolved = resolve_task(asked_task(arguments, "paper"))
-        comparison, title = _compared(resolved, arguments), resolved.task.name
+        comparison, title, names = _compared(resolved, arguments), resolved.task.name, resolved.names
         head = f"Task {resolved.task.name!r}, robot {resolved.robot.name!r}, {resolved.times[-1]:g} s"
     code = UNDECIDED if any(row["undecided"] for row in comparison.to_dict()["profiles"]) else 0
     if arguments.out is not None:
-        _write_folder(arguments, comparison, f"{title}: profiles compared")
+        _write_folder(arguments, comparison, f"{title}: profiles compared", names)
     if arguments.format == "json":
         return Answer(to_json(comparison.to_dict()), code)
     if arguments.format == "csv":
@@ -99,7 +101,7 @@ def run(arguments: Namespace) -> Answer:
     return Answer(with_report(f"{head}\n\n{shown(comparison.to_dict())}", arguments), code)
 
 
-def _write_folder(arguments: Namespace, comparison: Comparison, title: str) -> None:
+def _write_folder(arguments: Namespace, comparison: Comparison, title: str, names: Sequence[str]) -> None:
     """Report, document, table and figure."""
     # Templates and matplotlib take longer to load than everything else takes to compute.
     from puma_septic.pictures.comparison import comparison_picture
@@ -111,7 +113,9 @@ def _write_folder(arguments: Namespace, comparison: Comparison, title: str) -> N
     with new_folder(arguments.out, overwrite=arguments.force) as folder:
         (folder / "comparison.json").write_text(to_json(comparison.to_dict()), encoding="utf-8")
         (folder / "comparison.csv").write_text(comparison.to_csv(), encoding="utf-8")
-        page = report_html(comparison, title=title, made=origin(arguments), units=asked_units(arguments))
+        page = report_html(
+            comparison, title=title, point_names=names, made=origin(arguments), units=asked_units(arguments)
+        )
         (folder / "report.html").write_text(page, encoding="utf-8")
         pictures = [comparison_picture(comparison)]
         write_svg(folder, pictures)

@@ -41,7 +41,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="beside each profile the time-optimal motion along its path, by toppra or copp-py, certified",
     )
     add_format(parser, "text", "json", "csv")
-    add_out(parser, "JSON, CSV and a figure")
+    add_out(parser, "report.html, JSON, CSV and a figure")
 
 
 def run(arguments: Namespace) -> Answer:

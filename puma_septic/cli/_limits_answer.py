@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any
 
 from puma_septic._version import __version__
 from puma_septic.assessment import assess
-from puma_septic.cli._arguments import asked_task
+from puma_septic.cli._arguments import asked_task, asked_units, origin, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.document import SCHEMAS, to_json
 from puma_septic.errors import InputError, NoSolution
-from puma_septic.limits import motion_limits
+from puma_septic.limits import MotionLimits, motion_limits
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.pictures.limits import payload_picture
 from puma_septic.report import new_folder, profile_labels
-from puma_septic.report.svg import write_svg
-from puma_septic.task import resolve_task
+from puma_septic.task import ResolvedTask, resolve_task
 from puma_septic.views import limits as view
 
 __all__ = ["answer"]
@@ -46,15 +45,32 @@ def answer(arguments: Namespace) -> Answer:
     texts = {"text": view.text, "json": to_json, "csv": view.csv}
     text = texts[arguments.format](document)
     if arguments.out is not None:
-        with new_folder(arguments.out, overwrite=arguments.force) as folder:
-            (folder / "limits.json").write_text(to_json(document), encoding="utf-8")
-            (folder / "limits.csv").write_text(view.csv(document), encoding="utf-8")
-            write_svg(folder, [payload_picture(found, labels)])
-        if arguments.format == "text":
-            text += f"\n\nFigure: {Path(arguments.out) / 'payload.svg'}"
+        _write_folder(arguments, found, document, resolved)
+    text = with_report(text, arguments)
     if any(one.undecided for one in assessments):
         return Answer(text, UNDECIDED)
     return Answer(text, 0 if all(one.fastest and not one.fastest.reason for one in found) else 1)
+
+
+def _write_folder(
+    arguments: Namespace, found: Sequence[MotionLimits], document: dict[str, Any], resolved: ResolvedTask
+) -> None:
+    """Report, document, table and figure."""
+    # Templates, the replay and matplotlib take longer to load than everything else takes to compute.
+    from puma_septic.report.figures import write_png
+    from puma_septic.report.page import limits_html
+    from puma_septic.report.svg import write_svg
+
+    labels = [one["label"] for one in document["profiles"]]
+    with new_folder(arguments.out, overwrite=arguments.force) as folder:
+        (folder / "limits.json").write_text(to_json(document), encoding="utf-8")
+        (folder / "limits.csv").write_text(view.csv(document), encoding="utf-8")
+        page = limits_html(found, labels, document, resolved, made=origin(arguments), units=asked_units(arguments))
+        (folder / "report.html").write_text(page, encoding="utf-8")
+        pictures = [payload_picture(found, labels)]
+        write_svg(folder, pictures)
+        if not arguments.no_png:
+            write_png(folder, pictures)
 
 
 def _reference(motion: Motion) -> dict[str, Any]:

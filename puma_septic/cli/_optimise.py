@@ -206,6 +206,7 @@ def _write_folder(arguments: Namespace, result: Result, document: str, resolved:
             resolved.robot,
             dwell=resolved.task.dwell,
             title=f"{resolved.task.name}: optimised",
+            point_names=resolved.names,
             made=origin(arguments),
             units=asked_units(arguments),
         )

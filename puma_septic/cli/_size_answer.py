@@ -9,7 +9,7 @@ from typing import Any, Final, final
 
 from puma_septic._version import __version__
 from puma_septic.assessment import assess
-from puma_septic.cli._arguments import CONDITIONS, asked_task, origin, with_report
+from puma_septic.cli._arguments import CONDITIONS, asked_task, asked_units, origin, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._task_text import wrapped
 from puma_septic.cycle import Cycle, Dwell
@@ -59,7 +59,7 @@ def answer(arguments: Namespace) -> Answer:
     front = {"front": front_document(found.front())} if arguments.front and isinstance(found, Selection) else {}
     document = {**asked.document, **own, "conditions": conditions, **reserves, **front, "inputs": _inputs(arguments)}
     if arguments.out is not None:
-        _write_folder(arguments, found, document, f"{asked.name}: sizing")
+        _write_folder(arguments, found, document, asked)
     text = with_report(_text(arguments, asked, found, document), arguments)
     return Answer(text, asked.code or _code(found))
 
@@ -114,6 +114,7 @@ class _Asked:
     head: str
     document: dict[str, Any]
     code: int = 0
+    point_names: tuple[str, ...] = ()
 
 
 def _questions(doubts: Sequence[str]) -> str:
@@ -129,13 +130,15 @@ def _asked(arguments: Namespace) -> _Asked:
             return _asked_cycle(task, arguments)
         resolved = resolve_task(task)
         doubts = list(assess(resolved.robot, resolved.trajectories[0]).undecided)
+        cases = load_cases_of(resolved, one_way=arguments.one_way)
         return _Asked(
             name=resolved.task.name,
-            cases=load_cases_of(resolved, one_way=arguments.one_way),
+            cases=cases,
             conditions=resolved.task.conditions,
             head=f"Task {resolved.task.name!r}, profile {resolved.trajectories[0].profile}{_questions(doubts)}",
             document={"task": resolved.task.document(), **({"undecided": doubts} if doubts else {})},
             code=UNDECIDED if doubts else 0,
+            point_names=_stops(cases[0].cycle, resolved.names),
         )
     if arguments.profile is not None:
         raise InputError("--profile does not go with --csv: the file has the points")
@@ -176,7 +179,17 @@ def _asked_cycle(task: Task, arguments: Namespace) -> _Asked:
         head=f"Task {task.name!r}{_questions(doubts)}",
         document={"task": task.document(), **({"undecided": doubts} if doubts else {})},
         code=UNDECIDED if doubts else 0,
+        point_names=tuple(resolved.stops),
     )
+
+
+def _stops(cycle: Cycle, names: Sequence[str]) -> tuple[str, ...]:
+    """Where a way there and back begins and ends each of its steps."""
+    ends = [names[0]]
+    for step in cycle.steps:
+        turns = isinstance(step, Motion)
+        ends.append((names[-1] if ends[-1] == names[0] else names[0]) if turns else ends[-1])
+    return tuple(ends)
 
 
 def _asked_conditions(arguments: Namespace) -> dict[str, Any]:
@@ -267,7 +280,7 @@ def _more(found: Sizing | Selection) -> list[str]:
     return ["The first pair of each joint:", wrapped(str(found.sizing))]
 
 
-def _write_folder(arguments: Namespace, found: Sizing | Selection, document: dict[str, Any], title: str) -> None:
+def _write_folder(arguments: Namespace, found: Sizing | Selection, document: dict[str, Any], asked: _Asked) -> None:
     """Report, document, tables of parts, checks and pairs, load profiles, and figures."""
     sizing = found if isinstance(found, Sizing) else found.sizing
     with new_folder(arguments.out, overwrite=arguments.force) as folder:
@@ -278,7 +291,14 @@ def _write_folder(arguments: Namespace, found: Sizing | Selection, document: dic
         from puma_septic.report.page import report_html
         from puma_septic.report.svg import write_svg
 
-        page = report_html(found, title=title, document=document, made=origin(arguments))
+        page = report_html(
+            found,
+            title=f"{asked.name}: sizing",
+            document=document,
+            point_names=asked.point_names,
+            made=origin(arguments),
+            units=asked_units(arguments),
+        )
         (folder / "report.html").write_text(page, encoding="utf-8")
         if isinstance(found, Selection):
             (folder / "pairs.csv").write_text(pairs_csv(found), encoding="utf-8")

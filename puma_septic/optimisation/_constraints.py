@@ -19,6 +19,7 @@ from puma_septic.piecewise import Extrema
 from puma_septic.quantities import MOTION, QUANTITIES
 from puma_septic.robot import Robot
 from puma_septic.validation import Array, checked_array, checked_choice, n_dimensions
+from puma_septic.views.tables import Cell, text_table
 
 __all__ = [
     "Excess",
@@ -26,6 +27,7 @@ __all__ = [
     "checked_quantities",
     "excess_function",
     "known_quantities",
+    "told",
     "verdict_of",
 ]
 
@@ -189,9 +191,9 @@ class Verdict:
         return "; ".join(f"{label}: {', '.join(texts)}" for label, texts in named.items() if texts)
 
     @property
-    def sentence(self) -> tuple[str, ...]:
-        """The statement as lines of a text."""
-        return tuple(wrap(f"{self.statement[0].upper()}{self.statement[1:]}.", 100))
+    def sentence(self) -> str:
+        """The statement as a sentence."""
+        return f"{self.statement[0].upper()}{self.statement[1:]}."
 
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready part of a document."""
@@ -201,6 +203,12 @@ class Verdict:
             "not_held": list(self.not_held),
             "not_assessed": list(self.not_assessed),
         }
+
+
+def told(sentence: str, table: tuple[list[str], list[list[Cell]]], notes: Iterable[str]) -> str:
+    """What an optimisation found, within 100 columns: a sentence, a table, and notes."""
+    parts = ["\n".join(wrap(sentence, 100)), text_table(*table), *("\n".join(wrap(note, 100)) for note in notes)]
+    return "\n\n".join(parts)
 
 
 def verdict_of(candidate: Candidate, respected: Iterable[str]) -> Verdict | None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import product
-from textwrap import wrap
 from typing import Any, Final, final
 
 import numpy as np
@@ -13,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from puma_septic.document import SCHEMAS, card, one_line, plain
 from puma_septic.objectives import Candidate, Objective, checked_objectives, non_dominated
-from puma_septic.optimisation._constraints import Verdict
+from puma_septic.optimisation._constraints import Verdict, told
 from puma_septic.optimisation._problem import (
     Progress,
     Setting,
@@ -29,7 +28,7 @@ from puma_septic.paths import ToolLimits
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, frozen, read_only
-from puma_septic.views.tables import Cell, text_table
+from puma_septic.views.tables import Cell
 
 __all__ = ["ParetoFront", "pareto_front"]
 
@@ -97,7 +96,17 @@ class ParetoFront:
             "statement": self.statement,
         }
 
-    def __str__(self) -> str:
+    @property
+    def sentence(self) -> str:
+        """What was found, in one line."""
+        kept = sum(one.is_feasible for one in self.verdicts)
+        count = len(self.trajectories)
+        limits = f"; {kept} of {count} points keep all known limits" if self.verdicts else ""
+        return f"{self.start.profile}: Pareto front over the via times{limits}"
+
+    @property
+    def table(self) -> tuple[list[str], list[list[Cell]]]:
+        """Heads and rows: the via times and the objectives of the given motion and of each point."""
         inner = range(1, len(self.start.times) - 1)
         headers = ["", *(f"t{k} [s]" for k in inner), *(f"{one.name} [{one.unit}]" for one in self.objectives)]
         motions = [("given", self.start, self.start_values)] + [
@@ -108,15 +117,20 @@ class ParetoFront:
             [label, *(f"{t:z.4f}" for t in motion.times[1:-1]), *map(float, values)]
             for label, motion, values in motions
         ]
-        limits = []
         if self.verdicts:
             headers.append("limits not held")
             not_held = [", ".join(dict.fromkeys(check.quantity for check in one.violations)) for one in self.verdicts]
             rows = [[*row, text] for row, text in zip(rows, ["", *(text or "none" for text in not_held)], strict=True)]
-            limits = [*wrap(f"Limits respected: {', '.join(self.verdicts[0].respected) or 'none'}.", 100), ""]
-        head = f"{self.start.profile}: Pareto front over the via times"
-        reached = wrap(f"Reached: {self.statement}.", 100)
-        return "\n".join([head, "", text_table(headers, rows), "", *limits, *reached])
+        return headers, rows
+
+    @property
+    def notes(self) -> list[str]:
+        """Which limits were respected, and how the front was reached."""
+        limits = [f"Limits respected: {', '.join(self.verdicts[0].respected) or 'none'}."] if self.verdicts else []
+        return [*limits, f"Reached: {self.statement}."]
+
+    def __str__(self) -> str:
+        return told(self.sentence, self.table, self.notes)
 
     def __repr__(self) -> str:
         return one_line("ParetoFront", self._facts())

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from textwrap import wrap
 from typing import Any, final
 
 import numpy as np
@@ -19,6 +18,7 @@ from puma_septic.optimisation._constraints import (
     checked_quantities,
     excess_function,
     known_quantities,
+    told,
     verdict_of,
 )
 from puma_septic.optimisation._problem import (
@@ -37,7 +37,7 @@ from puma_septic.quantities import COMMON, MOTION
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_array, frozen, n_dimensions, numbers
-from puma_septic.views.tables import Cell, text_table
+from puma_septic.views.tables import Cell
 
 __all__ = ["LeastTime", "least_time"]
 
@@ -124,21 +124,33 @@ class LeastTime:
             "statement": self.statement,
         }
 
-    def __str__(self) -> str:
-        names = self._joint_names()
-        rows: list[list[Cell]] = [
-            [name, *("-" if np.isnan(column[j]) else f"{100 * column[j]:z.1f} %" for column in self._used().values())]
-            for j, name in enumerate(names)
-        ]
+    @property
+    def sentence(self) -> str:
+        """What was found, in one line."""
         times = ", ".join(f"{t:z.4f}" for t in self.trajectory.times)
         start = "at no duration" if self.start is None else f"{self.start.duration:z.4f} s"
-        head = (
+        return (
             f"{self.trajectory.profile}: least time {self.duration:z.4f} s ({start} with the segments in the given"
             f" proportions); points at {times} s"
         )
-        table = text_table(["used of the limit", *self._used()], rows)
-        limits = [] if self.verdict is None else [*self.verdict.sentence, ""]
-        return "\n".join([*wrap(head, 100), "", table, "", *limits, *wrap(f"Reached: {self._reached}.", 100)])
+
+    @property
+    def table(self) -> tuple[list[str], list[list[Cell]]]:
+        """Heads and rows: what each joint uses of each limit."""
+        names = self._joint_names()
+        rows: list[list[Cell]] = [
+            [name, *("--" if np.isnan(column[j]) else f"{100 * column[j]:z.1f} %" for column in self._used().values())]
+            for j, name in enumerate(names)
+        ]
+        return ["used of the limit", *self._used()], rows
+
+    @property
+    def notes(self) -> list[str]:
+        """Which limits were respected, and how the optimum was reached."""
+        return [*([] if self.verdict is None else [self.verdict.sentence]), f"Reached: {self._reached}."]
+
+    def __str__(self) -> str:
+        return told(self.sentence, self.table, self.notes)
 
     def _joint_names(self) -> Sequence[str]:
         if self.verdict is not None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from textwrap import wrap
 from typing import Any, Final, final
 
 import numpy as np
@@ -13,7 +12,7 @@ from numpy.typing import ArrayLike
 from puma_septic.document import SCHEMAS, card, one_line, plain
 from puma_septic.objectives import Objective, checked_objectives
 from puma_septic.optimisation._analytic import SQUARES, best_free_values, gradient_by_times
-from puma_septic.optimisation._constraints import Verdict
+from puma_septic.optimisation._constraints import Verdict, told
 from puma_septic.optimisation._problem import (
     Progress,
     Setting,
@@ -29,7 +28,7 @@ from puma_septic.paths import ToolLimits
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, FrozenMap
-from puma_septic.views.tables import Cell, text_table
+from puma_septic.views.tables import Cell
 
 __all__ = ["OptimisedTimes", "optimise_via_times"]
 
@@ -114,17 +113,29 @@ class OptimisedTimes:
             "statement": self.statement,
         }
 
-    def __str__(self) -> str:
+    @property
+    def sentence(self) -> str:
+        """What was found, in one line."""
+        change = f"{100 * abs(self.improvement):z.1f} % {'lower' if self.improvement >= 0 else 'higher'}"
+        return f"{self.start.profile}, {self.objective.name}: {change}"
+
+    @property
+    def table(self) -> tuple[list[str], list[list[Cell]]]:
+        """Heads and rows: the times and the objective, as given and at the optimum."""
         headers = ["", *(f"t{k} [s]" for k in range(len(self.times))), f"{self.objective.name} [{self.objective.unit}]"]
         rows: list[list[Cell]] = [
             ["start", *(f"{t:z.4f}" for t in self.start.times), self.start_value],
             ["optimum", *(f"{t:z.4f}" for t in self.times), self.value],
         ]
-        change = f"{100 * abs(self.improvement):z.1f} % {'lower' if self.improvement >= 0 else 'higher'}"
-        head = f"{self.start.profile}, {self.objective.name}: {change}"
-        limits = [] if self.verdict is None else [*self.verdict.sentence, ""]
-        reached = wrap(f"Reached: {self._reached}.", 100)
-        return "\n".join([head, "", text_table(headers, rows), "", *limits, *reached])
+        return headers, rows
+
+    @property
+    def notes(self) -> list[str]:
+        """Which limits were respected, and how the optimum was reached."""
+        return [*([] if self.verdict is None else [self.verdict.sentence]), f"Reached: {self._reached}."]
+
+    def __str__(self) -> str:
+        return told(self.sentence, self.table, self.notes)
 
     def __repr__(self) -> str:
         return one_line("OptimisedTimes", self._facts())

@@ -5,11 +5,12 @@ Raji, Asaolu and Akano, Joint Space Robot Arm Trajectory Planning Using Septic F
 
 from puma_septic.paper._claim import VERDICTS, Claim
 from puma_septic.paper._evidence import ComputingTimes, Evidence, LeastDuration
-from puma_septic.paper._inputs import PAPER, PaperInputs
+from puma_septic.paper._inputs import PAPER, POINTS, PaperInputs
 from puma_septic.paper._report import PaperReport, reproduce
 
 __all__ = [
     "PAPER",
+    "POINTS",
     "VERDICTS",
     "Claim",
     "ComputingTimes",

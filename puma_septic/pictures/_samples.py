@@ -16,9 +16,10 @@ from puma_septic.validation import Array
 
 __all__ = ["Samples", "Track", "samples_of", "together", "track_of"]
 
-# A line of this many points is smooth on any screen; and the least on each interval.
+# A line of this many points is smooth on any screen; the least on each interval, and of many intervals at most in all.
 _SAMPLES: Final = 200
 _LEAST: Final = 8
+_MOST: Final = 1200
 
 
 @final
@@ -90,7 +91,8 @@ def together(functions: Sequence[Piecewise], *, detail: float = 1.0) -> tuple[Ar
 def _sampled(functions: Sequence[Piecewise], detail: float) -> tuple[Array, Array]:
     breaks = np.unique(np.concatenate([function.breaks for function in functions]))
     joined = Piecewise.concatenate([function.split(breaks) for function in functions])
-    return sampled(joined, samples=round(detail * _SAMPLES), least=round(detail * _LEAST))
+    least = min(_LEAST, max(2, _MOST // len(joined.lengths)))
+    return sampled(joined, samples=round(detail * _SAMPLES), least=round(detail * least))
 
 
 def _track(trajectory: Trajectory, label: str, t: Array, values: Array) -> Track:

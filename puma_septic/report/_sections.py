@@ -10,14 +10,15 @@ from markupsafe import Markup
 
 from puma_septic.assessment import Assessment, assess
 from puma_septic.comparison import Comparison
-from puma_septic.cycle import CycleAssessment
+from puma_septic.cycle import CycleAssessment, assess_cycle
 from puma_septic.errors import InputError
-from puma_septic.motion import Motion
+from puma_septic.limits import MotionLimits
 from puma_septic.optimisation import LeastTime, OptimisedTimes, ParetoFront
-from puma_septic.paper import PaperReport
+from puma_septic.paper import POINTS, PaperReport
 from puma_septic.pictures import Picture
 from puma_septic.pictures.comparison import comparison_picture, optimisation_picture
 from puma_septic.pictures.execution import execution_pictures
+from puma_septic.pictures.limits import payload_picture
 from puma_septic.pictures.sizing import arm_front_picture, sizing_pictures
 from puma_septic.report._documents import profile_labels
 from puma_septic.robot import Robot
@@ -25,9 +26,13 @@ from puma_septic.simulation import Execution, Simulation
 from puma_septic.sizing import LoadCase, Selection, Sizing
 from puma_septic.task import ResolvedTask, Task
 from puma_septic.trajectory import Trajectory
+from puma_septic.views import execution as execution_view
+from puma_septic.views import limits as limits_view
 from puma_septic.views import profiles as view
 from puma_septic.views import selection as selection_view
+from puma_septic.views.checks import percent
 from puma_septic.views.cycle import steps_html
+from puma_septic.views.sizing import governing_rows
 from puma_septic.views.tables import html_table
 
 __all__ = [
@@ -36,6 +41,7 @@ __all__ = [
     "Reported",
     "case_of",
     "cycle_cases",
+    "limits_case",
     "optimised_case",
     "reason",
     "task_case",
@@ -49,6 +55,19 @@ Reported = (
 _MOST_DRAWN: Final = 6
 # Each with its plan.
 _MOST_EXECUTED: Final = 2
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class DriveUse:
+    """A joint's drive on the first screen: its parts where they were chosen, and the limit that it uses most."""
+
+    joint: str
+    parts: str
+    limit: str
+    use: str
+    percent: float
+    is_violated: bool
 
 
 @final
@@ -82,6 +101,8 @@ class Case:
         Of the points that a cycle stops at.
     no_replay : str
         Why there is no replay here; "" where there is one.
+    drives : tuple of DriveUse
+        Of a sizing: what the first screen shows in place of the motion's own limits.
     heading : str
         What stands above the sentence instead of "feasible" or "infeasible".
     """
@@ -101,6 +122,7 @@ class Case:
     point_names: tuple[str, ...] = ()
     no_replay: str = ""
     heading: str = ""
+    drives: tuple[DriveUse, ...] = ()
 
     @property
     def word(self) -> str:
@@ -123,7 +145,30 @@ class Case:
         return "bad" if not self.is_feasible else "doubtful" if self.doubts else "good"
 
 
-def case_of(what: Reported, title: str | None, document: Mapping[str, Any] | None = None) -> Case:
+def limits_case(
+    found: Sequence[MotionLimits], labels: Sequence[str], document: Mapping[str, Any], resolved: ResolvedTask
+) -> Case:
+    """How fast and how heavy: the motions as they are given, with what they could do."""
+    group = tuple(assess(one.motion) for one in found)
+    return Case(
+        title=f"{resolved.task.name}: how fast, how heavy",
+        assessments=group,
+        labels=list(labels),
+        is_feasible=all(one.fastest is not None and not one.fastest.reason for one in found),
+        sentence=limits_view.sentence(document),
+        heading="How fast, how heavy",
+        preface=_boxed(limits_view.html(document)),
+        pictures=(payload_picture(found, labels),),
+        resolved=resolved,
+    )
+
+
+def case_of(
+    what: Reported,
+    title: str | None,
+    document: Mapping[str, Any] | None = None,
+    point_names: Sequence[str] = (),
+) -> Case:
     """The section of a value; its robot's name is the title where none is given.
 
     Raises
@@ -132,15 +177,15 @@ def case_of(what: Reported, title: str | None, document: Mapping[str, Any] | Non
         For anything else, and for assessments of different arms.
     """
     if isinstance(what, Comparison):
-        return _comparison_case(what, title)
+        return replace(_comparison_case(what, title), point_names=tuple(point_names))
     if isinstance(what, Execution):
         return _execution_case(what, title)
     if isinstance(what, Sizing):
-        return _sizing_case(what, title, what.to_dict() if document is None else document)
+        return _sizing_case(what, title, what.to_dict() if document is None else document, point_names)
     if isinstance(what, Selection):
-        return _selection_case(what, title, what.to_dict() if document is None else document)
+        return _selection_case(what, title, what.to_dict() if document is None else document, point_names)
     if isinstance(what, PaperReport):
-        return _paper_case(what, title)
+        return replace(_paper_case(what, title), point_names=POINTS)
     group = (what,) if isinstance(what, Assessment) else () if isinstance(what, CycleAssessment) else tuple(what)
     if not group or not all(isinstance(one, Assessment) for one in group):
         raise InputError(f"a report is made of one assessment or a sequence of them, got {what!r}")
@@ -267,14 +312,12 @@ def _execution_case(execution: Execution, title: str | None) -> Case:
         for name in drawn
         for label, move in _executed_and_planned(name, execution.simulations[name])
     ]
-    count = len(execution.simulations)
-    word = "Not all stayed on their plans." if execution.has_diverged else "None left its plan."
     return Case(
         title=_titled([one for _, one in pairs], title),
         assessments=tuple(one for _, one in pairs),
         labels=[label for label, _ in pairs],
         is_feasible=not execution.has_diverged,
-        sentence=f"{'1 trajectory' if count == 1 else f'{count} trajectories'} simulated under one controller. {word}",
+        sentence=execution_view.sentence(execution.to_dict()),
         heading="Diverged" if execution.has_diverged else "Simulated",
         preface=_boxed(execution._repr_html_()),
         pictures=execution_pictures(execution),
@@ -286,7 +329,9 @@ def _executed_and_planned(name: str, simulation: Simulation) -> list[tuple[str, 
     return [planned] if simulation.has_diverged else [(f"{name}, executed", simulation.executed), planned]
 
 
-def optimised_case(found: Optimised, robot: Robot, title: str | None, *, dwell: float = 0.0) -> Case:
+def optimised_case(
+    found: Optimised, robot: Robot, title: str | None, *, dwell: float = 0.0, point_names: Sequence[str] = ()
+) -> Case:
     """The motion that was given and those that were found, assessed; of a front as many as there are colours."""
     if isinstance(found, ParetoFront):
         count = len(found.trajectories)
@@ -297,45 +342,78 @@ def optimised_case(found: Optimised, robot: Robot, title: str | None, *, dwell: 
         motions = [*([found.start] if found.start is not None else []), found.trajectory]
         labels = [*(["given"] if found.start is not None else []), "optimum"]
     group = tuple(assess(robot, one, dwell=dwell) for one in motions)
-    head, _, rest = str(found).partition("\n")
+    is_feasible = all(one.is_feasible for one in group[-1 if len(labels) < 3 else 1 :])
+    is_front = isinstance(found, ParetoFront)
+    notes = Markup("").join(Markup("<p>{}</p>").format(note) for note in found.notes)
     return Case(
         title=_titled(group, title),
         assessments=group,
         labels=labels,
-        is_feasible=all(one.is_feasible for one in group[-1 if len(labels) < 3 else 1 :]),
-        sentence=f"{head}. {_sentence(group, labels)}",
-        preface=Markup("<pre>{}</pre>").format(rest.strip()),
-        pictures=(optimisation_picture(found),),
+        is_feasible=is_feasible,
+        heading="" if is_feasible or not is_front else "Not all points are feasible",
+        sentence=f"{found.sentence}. {_sentence(group, labels)}",
+        preface=_boxed(html_table(*found.table) + str(notes)),
+        # Of one optimum the positions, which are among the charts of the motions below.
+        pictures=(optimisation_picture(found),) if is_front else (),
+        point_names=tuple(point_names),
     )
 
 
-def _sizing_case(sizing: Sizing, title: str | None, document: Mapping[str, Any]) -> Case:
-    group = _moves(sizing.load_cases)
+def _drives(document: Mapping[str, Any], chosen: Mapping[str, str]) -> tuple[DriveUse, ...]:
+    """Of a sizing's document, with the chosen parts of each joint."""
+    return tuple(
+        DriveUse(
+            joint=joint,
+            parts=chosen.get(joint, ""),
+            limit=check.quantity,
+            use=percent(check.utilisation) + (" !" if check.is_violated else ""),
+            percent=100 * check.utilisation,
+            is_violated=check.is_violated,
+        )
+        for joint, check in governing_rows(document)
+    )
+
+
+def _chosen(document: Mapping[str, Any]) -> dict[str, str]:
+    """Motor and gearbox of each joint."""
+    first = {joint["name"]: joint["kept"][0] for joint in document["joints"] if joint["kept"]}
+    return {name: " + ".join(filter(None, (pair["motor"], pair["gearbox"]))) for name, pair in first.items()}
+
+
+def _sizing_case(
+    sizing: Sizing, title: str | None, document: Mapping[str, Any], point_names: Sequence[str] = ()
+) -> Case:
+    group = _cycle(sizing.load_cases)
     return Case(
         title=_titled(group, title),
         assessments=group,
-        labels=profile_labels(group),
+        labels=["cycle"],
         is_feasible=sizing.is_feasible,
         sentence=f"The drives are {sizing.verdict}.",
+        drives=_drives(document, {}),
+        point_names=tuple(point_names),
         preface=_boxed(sizing._repr_html_() + _BELOW),
         pictures=sizing_pictures(sizing),
         inputs=_repeating(document),
     )
 
 
-def _selection_case(selection: Selection, title: str | None, document: Mapping[str, Any]) -> Case:
+def _selection_case(
+    selection: Selection, title: str | None, document: Mapping[str, Any], point_names: Sequence[str] = ()
+) -> Case:
     """What was chosen first, then how it fares."""
-    group = _moves(selection.load_cases)
+    group = _cycle(selection.load_cases)
     sizing = selection.sizing
     chosen = "" if sizing is None else f"<h3>The first pair of each joint</h3>{sizing._repr_html_()}{_BELOW}"
-    verdict = selection.verdict
     front = (arm_front_picture(selection.front()),) if document.get("front") else ()
     return Case(
         title=_titled(group, title),
         assessments=group,
-        labels=profile_labels(group),
+        labels=["cycle"],
         is_feasible=selection.is_feasible,
-        sentence=f"{verdict[0].upper()}{verdict[1:]}.",
+        sentence=selection_view.sentence(document),
+        drives=() if sizing is None else _drives(document["sizing"], _chosen(document)),
+        point_names=tuple(point_names),
         preface=_boxed(selection_view.html(document) + chosen),
         pictures=() if sizing is None else (*front, *sizing_pictures(sizing)),
         inputs=_repeating(document),
@@ -344,14 +422,15 @@ def _selection_case(selection: Selection, title: str | None, document: Mapping[s
 
 
 _BELOW: Final = (
-    "<p>Below the charts of the drives are the motions of the first load case, checked against the robot's limits.</p>"
+    "<p>Below the charts of the drives is the cycle, of load cases the first, held against the robot's limits.</p>"
 )
 # Keys of a sizing's document that say what was asked.
 _ASKED: Final = ("task", "file", "inputs", "rank", "conditions", "load_cases", "catalogue")
 
 
-def _moves(cases: Sequence[LoadCase]) -> tuple[Assessment, ...]:
-    return tuple(assess(step) for step in cases[0].cycle.steps if isinstance(step, Motion))
+def _cycle(cases: Sequence[LoadCase]) -> tuple[Assessment, ...]:
+    """The first load case as one motion, with what the arm carries at each time."""
+    return (assess_cycle(cases[0].cycle).whole,)
 
 
 def _repeating(document: Mapping[str, Any]) -> dict[str, Any]:
@@ -370,7 +449,9 @@ def _paper_case(report: PaperReport, title: str | None) -> Case:
 
 
 def _boxed(html: str) -> Markup:
-    """Wide tables scroll in a box of their own. What values show of themselves is escaped already."""
+    """Each table that has no box yet scrolls in one of its own. What values show of themselves is escaped already."""
+    if '<div class="scroll"' not in html:
+        html = html.replace("<table>", '<div class="scroll"><table>').replace("</table>", "</table></div>")
     return Markup('<div class="preface">{}</div>').format(Markup(html))
 
 

@@ -15,6 +15,7 @@ from puma_septic.assessment import Assessment
 from puma_septic.cycle import CycleAssessment
 from puma_septic.errors import InputError, ModelError
 from puma_septic.limit_check import most_used_first
+from puma_septic.limits import MotionLimits
 from puma_septic.outputs import write_file
 from puma_septic.pictures import (
     Bar,
@@ -29,7 +30,16 @@ from puma_septic.pictures import (
     utilisation_picture,
 )
 from puma_septic.report._rendering import render
-from puma_septic.report._sections import Case, Optimised, Reported, case_of, cycle_cases, optimised_case, task_case
+from puma_septic.report._sections import (
+    Case,
+    Optimised,
+    Reported,
+    case_of,
+    cycle_cases,
+    limits_case,
+    optimised_case,
+    task_case,
+)
 from puma_septic.robot import Robot
 from puma_septic.task import ResolvedTask, Task
 from puma_septic.viewer import replay_html
@@ -37,7 +47,7 @@ from puma_septic.views import assessment as assessment_view
 from puma_septic.views import profiles as profiles_view
 from puma_septic.views.units import SI, Units
 
-__all__ = ["cycle_html", "optimised_html", "report_html", "tasks_html", "write_report"]
+__all__ = ["cycle_html", "limits_html", "optimised_html", "report_html", "tasks_html", "write_report"]
 
 # Charts of what governs, side by side.
 _GOVERNING: Final = 3
@@ -87,6 +97,7 @@ def report_html(
     title: str | None = None,
     notes: Sequence[str] = (),
     document: Mapping[str, Any] | None = None,
+    point_names: Sequence[str] = (),
     made: Mapping[str, str] | None = None,
     units: Units = SI,
 ) -> str:
@@ -106,6 +117,8 @@ def report_html(
         What else a reader must know, such as how a log was read; it stands below the verdict.
     document : mapping, optional
         Of a sizing or selection: its document with what repeats it, which stands among the inputs.
+    point_names : sequence of str
+        Of the points that the motions go through, for the replay of a comparison or a sizing.
     made : mapping, optional
         Where the report comes from, such as the date, the file and the command line; it stands below the title.
     units : Units
@@ -130,7 +143,7 @@ def report_html(
     """
     if isinstance(what, CycleAssessment):
         return cycle_html(what, title=title)
-    case = case_of(what, title, document)
+    case = case_of(what, title, document, point_names)
     if notes:
         items = Markup("").join(Markup("<li>{}</li>").format(note) for note in notes)
         case = replace(case, preface=Markup("<ul>{}</ul>").format(items) + case.preface)
@@ -161,6 +174,7 @@ def optimised_html(
     *,
     dwell: float = 0.0,
     title: str | None = None,
+    point_names: Sequence[str] = (),
     made: Mapping[str, str] | None = None,
     units: Units = SI,
 ) -> str:
@@ -173,14 +187,44 @@ def optimised_html(
         That carries the motions out.
     dwell : float
         Rest after the motion, in the root mean squares, s.
-    title, made, units
+    title, point_names, made, units
         As of `report_html`.
 
     Returns
     -------
     str
     """
-    case = optimised_case(found, robot, title, dwell=dwell)
+    case = optimised_case(found, robot, title, dwell=dwell, point_names=point_names)
+    return _page(case.title, [_section(case, units)], made)
+
+
+def limits_html(
+    found: Sequence[MotionLimits],
+    labels: Sequence[str],
+    document: Mapping[str, Any],
+    resolved: ResolvedTask,
+    *,
+    made: Mapping[str, str] | None = None,
+    units: Units = SI,
+) -> str:
+    """The report of how fast and how heavy the profiles of a task can be, with what their motions use as given.
+
+    Parameters
+    ----------
+    found : sequence of MotionLimits
+    labels : sequence of str
+        Their profiles.
+    document : mapping
+        Of all of them, as ``limits --format json`` writes it.
+    resolved : ResolvedTask
+    made, units
+        As of `report_html`.
+
+    Returns
+    -------
+    str
+    """
+    case = limits_case(found, labels, document, resolved)
     return _page(case.title, [_section(case, units)], made)
 
 
@@ -276,6 +320,8 @@ def _replay(case: Case) -> tuple[str, str]:
         return "", case.no_replay
     try:
         names = case.point_names if case.resolved is None else case.resolved.names
+        if case.task is None and len(names) != len(case.assessments[0].motion.trajectory.marked[0]):
+            names = ()  # of an executed motion its ends alone are marked
         html = replay_html(case.assessments, labels=case.labels, title=case.title, point_names=names, has_panel=False)
         return html, ""
     except ModelError as error:

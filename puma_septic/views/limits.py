@@ -3,26 +3,63 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from html import escape
+from typing import Any, Final
 
 from puma_septic.document import csv_text, numeric
 from puma_septic.limit_check import LimitCheck
-from puma_septic.views.tables import Cell, number, text_table
+from puma_septic.views.tables import Cell, html_table, number, text_table
 
-__all__ = ["csv", "duration_text", "intervals_text", "payload_text", "text"]
+__all__ = ["csv", "duration_text", "html", "intervals_text", "payload_text", "sentence", "text"]
 
 Document = Mapping[str, Any]
 
 
+_HEADERS: Final = ("profile", "as given [s]", "least duration [s]", "what stops it", "payload [kg]", "what stops it")
+
+
+def sentence(document: Document) -> str:
+    """Which profile can be quickest, which carries most at its own duration, and what stops them."""
+    quick = [one for one in document["profiles"] if one["fastest"] is not None and not one["fastest"]["reason"]]
+    strong = [one for one in document["profiles"] if one["heaviest"] is not None]
+    said = "No profile has a duration from which on every longer one is feasible."
+    if quick:
+        best = min(quick, key=lambda one: numeric(one["fastest"]["duration"]))
+        fast = best["fastest"]
+        said = (
+            f"Quickest: {best['label']} in {number(fast['duration'])} s instead of {number(best['duration'])} s;"
+            f" {_stopper(fast['governing'])} stops it."
+        )
+    if not strong:
+        return f"{said} None keeps the limits with any payload at its own duration."
+    best = max(strong, key=lambda one: numeric(one["heaviest"]["mass"]))
+    heavy = best["heaviest"]
+    return (
+        f"{said} Most payload at its own duration: {best['label']}, {number(numeric(heavy['mass']), 3)} kg;"
+        f" {_stopper(heavy['governing'])} stops it."
+    )
+
+
 def text(document: Document) -> str:
-    """How fast, how heavy and what stops it: a row for each profile, and its reasons below."""
-    headers = ["profile", "as given [s]", "least duration [s]", "what stops it", "payload [kg]", "what stops it"]
+    """How fast, how heavy and what stops it: a sentence, a row for each profile, and its reasons below."""
     rows = [_row(one) for one in document["profiles"]]
-    lines = [f"{document['task']}: how fast, how heavy", "", text_table(headers, rows), ""]
+    lines = [f"{document['task']}: how fast, how heavy", "", sentence(document), "", text_table(_HEADERS, rows), ""]
     for one in document["profiles"]:
         lines += [f"{one['label']}: {note}" for note in _notes(one)]
-    unknown = dict.fromkeys(line for one in document["profiles"] for line in _not_assessed(one))
-    return "\n".join([*lines, *(f"not assessed: {line}" for line in unknown)]).rstrip()
+    unknown = _unknown(document)
+    return "\n".join([*lines, *([f"Not assessed: {'; '.join(unknown)}"] if unknown else [])]).rstrip()
+
+
+def html(document: Document) -> str:
+    """The table and its reasons as a page has them; every text is escaped."""
+    table = html_table(_HEADERS, [_row(one) for one in document["profiles"]], caption="How fast, how heavy")
+    notes = [f"{one['label']}: {note}" for one in document["profiles"] for note in _notes(one)]
+    items = "".join(f"<li>{escape(note)}</li>" for note in notes)
+    return table + (f"<ul>{items}</ul>" if notes else "")
+
+
+def _unknown(document: Document) -> list[str]:
+    return list(dict.fromkeys(line for one in document["profiles"] for line in _not_assessed(one)))
 
 
 def _row(one: Document) -> list[Cell]:

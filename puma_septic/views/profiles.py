@@ -18,6 +18,8 @@ Document = Mapping[str, Any]
 
 # Behind a verdict that rests on doubtful data.
 _DOUBTFUL: Final = "(?)"
+# Below a micrometre or a millionth of a radian nothing overshoots: what rounding or a simulation left.
+_NO_OVERSHOOT: Final = 1e-6
 _HEADERS: Final = ("profile", "verdict", "governing limit", "velocity", "torque")
 
 
@@ -71,13 +73,15 @@ def _row(document: Document, label: str) -> list[Cell]:
         worst = LimitCheck.from_dict(document["governing"])
         use = "violated" if isfinite(worst.demand) and isinf(worst.utilisation) else percent(worst.utilisation)
         governing = f"{worst.joint} {worst.label} {use}"
+    overshoot = max(numeric(joint["overshoot"]) for joint in document["joints"])
     return [
         label,
         _verdict(document),
         governing,
         _most(document, "velocity"),
         _most(document, "effort"),
-        *(max(numeric(joint[key]) for joint in document["joints"]) for key in ("peak_jerk", "overshoot")),
+        max(numeric(joint["peak_jerk"]) for joint in document["joints"]),
+        0.0 if overshoot < _NO_OVERSHOOT else overshoot,
     ]
 
 

@@ -10,7 +10,7 @@ from typing import Any, Final
 from puma_septic.document import csv_text, numeric
 from puma_septic.limit_check import LimitCheck
 from puma_septic.views.checks import percent
-from puma_septic.views.sizing import governing_rows, reserve_lines
+from puma_septic.views.sizing import governing_rows, hours, reserve_lines
 from puma_septic.views.tables import Cell, html_table, number, text_table
 
 __all__ = ["bill_csv", "html", "sentence", "short_text", "text"]
@@ -18,8 +18,6 @@ __all__ = ["bill_csv", "html", "sentence", "short_text", "text"]
 Document = Mapping[str, Any]
 # A ratio beyond this is told as no bound: no gear train of a joint has one of the kind.
 _ANY_RATIO: Final = 1e6
-# A life beyond this, more than a century, is told as no number: the power law goes on where other causes end a gear.
-_MOST_HOURS: Final = 1e6
 # Choices for the whole arm that are shown.
 _SHOWN: Final = 20
 _HEADS: Final = {
@@ -140,7 +138,7 @@ def _choice(document: Document) -> Table:
         use, quantity = _use(c)
         rows.append([
             joint["name"], c["motor"], c["gearbox"], f"{c['ratio']:g}", numeric(c["mass"]), numeric(c["cost"]),
-            quantity, use, _percent(c["margin"]), _hours(c["life_hours"]),
+            quantity, use, _percent(c["margin"]), hours(c["life_hours"]),
         ])  # fmt: skip
     totals = document["totals"]
     rows.append([
@@ -268,11 +266,6 @@ def _window(least: float, most: float) -> str:
 
 def _ratio(value: float) -> str:
     return f"{value:z.0f}" if value >= 1 else f"{value:.2g}"
-
-
-def _hours(value: Any) -> str:
-    hours = numeric(value)
-    return "unknown" if isnan(hours) else f"over {_MOST_HOURS:g}" if hours > _MOST_HOURS else number(hours)
 
 
 def _explanations(document: Document) -> list[str]:

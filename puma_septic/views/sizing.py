@@ -12,7 +12,7 @@ from puma_septic.limit_check import LimitCheck, most_used_first
 from puma_septic.views.checks import percent, read_checks
 from puma_septic.views.tables import Cell, html_table, number, text_table
 
-__all__ = ["checks_csv", "governing_rows", "html", "reserve_lines", "short_text", "text"]
+__all__ = ["checks_csv", "governing_rows", "hours", "html", "reserve_lines", "short_text", "text"]
 
 Document = Mapping[str, Any]
 Table = tuple[list[str], list[list[Cell]]]
@@ -30,6 +30,8 @@ _ELECTRIC: Final = (
     " life of the gearbox in h"
 )
 _GOVERNING: Final = "Of each joint the limit that is used most; use: demand / limit; margin: 1 - use"
+# A life beyond this, more than a century, is told as no number: the power law goes on where other causes end a gear.
+_MOST_HOURS: Final = 1e6
 # What is printed as 0.0 %.
 _IDLE: Final = 5e-4
 _CHECKS: Final = "use: utilisation, demand / limit; margin: 1 - use; ! marks a violated limit, ? a rule of thumb"
@@ -64,6 +66,12 @@ def html(document: Document) -> str:
     for title, items in _lists(document).items():
         parts.append(f"<p>{title}:</p><ul>{''.join(f'<li>{escape(item)}</li>' for item in items)}</ul>")
     return "\n".join(parts)
+
+
+def hours(value: Any) -> str:
+    """A life in hours."""
+    life = numeric(value)
+    return f"over {_MOST_HOURS:,.0f}" if life > _MOST_HOURS else number(life)
 
 
 def governing_rows(document: Document) -> list[tuple[str, LimitCheck]]:
@@ -226,10 +234,14 @@ def _electric_table(document: Document) -> Table:
     ]  # fmt: skip
     keys = [
         "rms_current", "peak_current", "peak_drawn_power", "mean_drawn_power", "energy_drawn", "energy_returned",
-        "winding_temperature_rise", "expected_gearbox_life_hours",
+        "winding_temperature_rise",
     ]  # fmt: skip
     known = [joint for joint in document["joints"] if joint["rms_current"] is not None]
-    return headers, [[*_names(document, joint), *(numeric(joint[key]) for key in keys)] for joint in known]
+    rows = [
+        [*_names(document, joint), *(numeric(joint[key]) for key in keys), hours(joint["expected_gearbox_life_hours"])]
+        for joint in known
+    ]
+    return headers, rows
 
 
 def _demand_row(document: Document, joint: Document) -> list[Cell]:

@@ -24,6 +24,7 @@ _PLAIN_FROM, _PLAIN_BELOW = 1e-4, 1e7
 # A cell that stands at the right: a number, a percentage, a number with the share of a limit behind it.
 _NUMBER: Final = re.compile(r"[-±]?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?: %)?(?: \(\d* ?%?!?\)| !)?")
 _WORDS: Final = ("", "--", "none", "not known", _UNBOUNDED, _UNKNOWN)
+_FILLED: Final = re.compile(r" +(?=</t[dh]>)|(?<=\">) +")
 # The minus of a number that begins a cell or stands within it.
 _MINUS: Final = re.compile(r"(?<![\w.)-])-(?=\d)")
 
@@ -83,7 +84,8 @@ def html_table(headers: Sequence[str], rows: Sequence[Sequence[Cell]], *, captio
         If a row has not one cell per header.
     """
     cells = [[_MINUS.sub("\u2212", _text(cell)).replace(" %", "\u00a0%") for cell in row] for row in rows]
-    table = _table([typeset(head) for head in headers], cells, "html")
+    # tabulate fills cells up to the width of their column.
+    table = _FILLED.sub("", _table([typeset(head) for head in headers], cells, "html"))
     if caption is None:
         return table
     return table.replace("<table>", f"<table>\n<caption>{escape(caption)}</caption>", 1)
@@ -106,4 +108,4 @@ def _text(cell: Cell) -> str:
 
 def _is_number(text: str) -> bool:
     plain = text.replace("\u2212", "-").replace("\u00a0", " ").strip()
-    return plain.removeprefix("-") in _WORDS or _NUMBER.fullmatch(plain) is not None
+    return plain in _WORDS or plain.removeprefix("-") in _WORDS or _NUMBER.fullmatch(plain) is not None

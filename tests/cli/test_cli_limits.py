@@ -19,7 +19,7 @@ def test_the_answer_is_one_row_for_each_profile(capsys: pytest.CaptureFixture[st
     row = next(line for line in text.splitlines() if line.startswith("septic"))
     assert row.split()[1:3] == ["9.000", "7.7796"]
     assert "joint2 velocity at 1.788 s" in row
-    assert "not assessed: jerk limit: unknown for all joints" in text
+    assert "jerk limit: unknown for all joints" in text
 
 
 def test_json_csv_and_files_hold_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -61,3 +61,15 @@ def test_the_reference_says_what_a_profile_costs(capsys: pytest.CaptureFixture[s
     assert main([*ARGUMENTS, "--reference"]) == 0
     text = " ".join(capsys.readouterr().out.split())
     assert f"septic: gap {reference['gap']:.3f}: along the same path the optimum takes" in text
+
+
+def test_the_folder_has_a_report_like_the_others(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It had a figure alone: the verdict, what stops each profile, the motions and where all comes from."""
+    folder = tmp_path / "out"
+    assert main([*ARGUMENTS, "--out", str(folder), "--no-png"]) == 0
+    assert capsys.readouterr().out.endswith(f"\n\nReport: {folder / 'report.html'}\n")
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert "Quickest: septic in 7.780 s instead of 9.000 s; joint2 velocity at 1.788 s stops it." in page
+    assert "command: puma-septic limits paper-turned --profile septic" in page
+    assert "<h3>Payload over duration</h3>" in page
+    assert page.index("Quickest") < page.index('class="matrix"') < page.index("what stops it") < page.index("Inputs")

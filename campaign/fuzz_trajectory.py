@@ -59,7 +59,7 @@ def check(path: Path) -> None:
 
 def _check_points(trajectory: ps.Trajectory, data: dict[str, Any]) -> None:
     order = [data["joint_names"].index(name) for name in trajectory.joint_names]
-    begin, size = None, max(1.0, *(abs(value) for _, value in numbers_of([one["positions"] for one in data["points"]])))
+    begin, size = None, _size(trajectory.duration, data["points"])
     for point in data["points"]:
         at = point.get("time_from_start", {})
         if not (isinstance(at, dict) and isinstance(at.get("sec", 0), int) and isinstance(at.get("nanosec", 0), int)):
@@ -70,6 +70,13 @@ def _check_points(trajectory: ps.Trajectory, data: dict[str, Any]) -> None:
         found = trajectory(min(t - begin, trajectory.duration) if begin else t)
         if not np.abs(found - said).max() <= _CLOSE * size:
             raise UnsoundError(f"point: {found.tolist()} at {t} s, the text has {said.tolist()}")
+
+
+def _size(duration: float, points: list[dict[str, Any]]) -> float:
+    """How far positions, velocities and accelerations of these numbers lead, rad: what polynomials are rounded by."""
+    keys = ("positions", "velocities", "accelerations")
+    reach = [abs(x) * duration**k for k, key in enumerate(keys) for one in points for _, x in numbers_of(one.get(key))]
+    return max(1.0, *reach)
 
 
 def _changed(rng: Rng, data: Any) -> None:

@@ -93,7 +93,8 @@ def check_drives(path: Path) -> None:
         train = trains[puma().joint_index(name)]
         for part, entries in parts.items():
             for key, entry in entries.items():
-                if not isinstance(entry["value"], str):
+                is_unknown = isinstance(entry["value"], float) and np.isnan(entry["value"])
+                if not (is_unknown or isinstance(entry["value"], str)):
                     same(f"{part} {key}", getattr(getattr(train, part), key), entry["value"])
     if zlib.crc32(path.read_bytes()) % 8 == 0:
         check_answer(ps.size(cycle(), drivetrains=trains))

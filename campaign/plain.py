@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
 import puma_septic as ps
 from campaign.rules import MAX_MESSAGE, UNCLEAN, UnsoundError
+
+
+_HUGE: Final = 10**308  # which no double is above
 
 
 def numbers_of(value: Any, path: tuple[Any, ...] = ()) -> Iterable[tuple[tuple[Any, ...], float]]:
@@ -22,7 +25,7 @@ def numbers_of(value: Any, path: tuple[Any, ...] = ()) -> Iterable[tuple[tuple[A
         for key, part in enumerate(value):
             yield from numbers_of(part, (*path, key))
     elif isinstance(value, (int, float)) and not isinstance(value, bool):
-        yield path, float(value)
+        yield path, float(value) if abs(value) < _HUGE else math.copysign(math.inf, value)
 
 
 def same(what: str, value: Any, said: Any, *, tolerance: float = 0.0) -> None:
@@ -61,9 +64,9 @@ def check_assessment(assessment: ps.Assessment) -> None:
 
 
 def plain_number(text: str) -> float:
-    """A decimal number, else NaN."""
+    """A decimal number, in whatever digits, else NaN."""
     try:
-        value = float(text.strip()) if text.isascii() and "_" not in text else math.nan
+        value = float(text.strip()) if "_" not in text else math.nan
     except ValueError:
         return math.nan
     return value if math.isfinite(value) else math.nan

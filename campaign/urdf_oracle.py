@@ -18,6 +18,7 @@ POSES: Final = 5
 # Relative to the sum of the magnitudes of all terms: some hundred operations' rounding, and what two ways of reading
 # angles of four digits cost; an inertia that is lost is larger by many powers of ten.
 CLOSE: Final = 1e-9
+TINY: Final = 1e-300  # kg m: numbers below it lose their digits
 CLEARLY: Final = 1e-6  # of a matrix with unit diagonal, and kg m^2: well above what is taken for no inertia
 
 
@@ -101,7 +102,7 @@ def _compare_body(read_in: pin.Inertia, said: tuple[float, np.ndarray, np.ndarra
         raise UnsoundError(f"mass: of link {link!r} {read_in.mass!r} kg, the text has {mass!r}")
     if np.abs(about_origin - tensor).max() > CLOSE * size:
         raise UnsoundError(f"inertia: of link {link!r} {about_origin.tolist()} kg m^2, the text has {tensor.tolist()}")
-    if np.abs(read_in.mass * c - first).max() > CLOSE * (np.sqrt(mass * size) + np.abs(first).max()):
+    if np.abs(read_in.mass * c - first).max() > CLOSE * (np.sqrt(mass * size) + np.abs(first).max()) + TINY:
         raise UnsoundError(
             f"centre: of link {link!r} {(read_in.mass * c).tolist()} kg m, the text has {first.tolist()}"
         )

@@ -20,7 +20,7 @@ from puma_septic.errors import InputError, ModelError
 from puma_septic.friction import friction_terms, loss
 from puma_septic.kinematics import checked_joint_values, forward_kinematics, jacobian
 from puma_septic.robot import Robot, Wrench, inertia_matrices
-from puma_septic.validation import Array, n_dimensions
+from puma_septic.validation import Array, checked_kind, n_dimensions
 
 __all__ = [
     "TERMS",
@@ -341,7 +341,7 @@ def _axes(joint: Any) -> Array:
 
 def check_inertia(robot: Robot) -> None:
     """Raise a ModelError if the torque of a joint is not known: it would silently be zero."""
-    if robot.missing_inertia:
+    if checked_kind("robot", robot, Robot).missing_inertia:
         joints = ", ".join(map(repr, robot.missing_inertia))
         raise ModelError(
             f"robot {robot.name!r}: no mass or inertia beyond joint {joints}; every torque is needed here, so give an"

@@ -191,7 +191,7 @@ class Trajectory:
 
     def _part(self, order: int) -> slice:
         """Where `state` holds the derivative of this order."""
-        if order not in (0, 1, 2, 3):
+        if not isinstance(order, (int, np.integer)) or order not in (0, 1, 2, 3):
             valid = ", ".join(f"{k} ({name})" for k, name in enumerate(MOTION))
             raise InputError(f"order = {order!r} is not one of {valid}")
         return slice(order * self.n_joints, (order + 1) * self.n_joints)
@@ -229,9 +229,10 @@ class Trajectory:
 
         Where the arm is at rest before the first and after the last instant, a value other than zero there is a step.
         """
+        part = self._part(order)
         if order == 0:
             raise InputError("order = 0: the position of a trajectory never jumps; valid: 1, 2, 3")
-        sizes = self._state_jumps.sizes[:, self._part(order)]
+        sizes = self._state_jumps.sizes[:, part]
         some = sizes.any(axis=1)
         return Jumps(times=self.breaks[some], sizes=sizes[some])
 

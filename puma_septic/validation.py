@@ -5,7 +5,7 @@ from __future__ import annotations
 import reprlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
-from typing import Any, TypeVar, final
+from typing import Any, Final, TypeVar, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,23 +13,35 @@ from numpy.typing import ArrayLike, NDArray
 from puma_septic.errors import InputError, did_you_mean
 
 __all__ = [
+    "LARGEST",
     "Array",
     "FrozenMap",
     "checked_array",
     "checked_choice",
+    "checked_kind",
+    "checked_list",
     "checked_number",
+    "checked_texts",
     "checked_times",
+    "checked_whole",
     "freeze_fields",
     "frozen",
     "n_dimensions",
     "numbers",
     "read_only",
+    "store_needed",
     "store_numbers",
 ]
 
 Array = NDArray[np.float64]
+
+LARGEST: Final = 1e30
+"""What no quantity of an arm exceeds, in SI units: products of ten of them are still finite."""
+# s; the seventh power of its inverse is still finite.
+_SHORTEST: Final = 1e-30
 AnyArray = TypeVar("AnyArray", bound=NDArray[np.generic])
 Key = TypeVar("Key")
+Kind = TypeVar("Kind")
 Value = TypeVar("Value", covariant=True)
 
 
@@ -114,12 +126,13 @@ def checked_array(
     array = read_only(numbers(name, value, shape))
     if shape is not None and not _fits(array.shape, shape):
         raise InputError(f"{name}: shape {array.shape} is not {_describe(shape)}")
-    valid = ~np.isinf(array) if allow_nan else np.isfinite(array)
+    valid = ~np.isinf(array) if allow_nan else np.abs(array) <= LARGEST
     if np.count_nonzero(valid) < valid.size:
         index = tuple(int(i) for i in np.argwhere(~valid)[0])
         where = f"[{', '.join(map(str, index))}]" if index else ""
         suffix = f" {unit}" if unit else ""
-        raise InputError(f"{name}{where} = {float(array[index])}{suffix} is not a finite number")
+        why = f"beyond {LARGEST:g}, as no quantity of an arm is" if np.isfinite(array[index]) else "not a finite number"
+        raise InputError(f"{name}{where} = {float(array[index])}{suffix} is {why}")
     return array
 
 
@@ -176,7 +189,45 @@ def store_numbers(value: object, units: Mapping[str, str], **bounds: float) -> N
     for name, unit in units.items():
         given = getattr(value, name)
         if not (isinstance(given, (float, np.floating)) and np.isnan(given)):
-            object.__setattr__(value, name, checked_number(name, given, unit=unit, **bounds))
+            store_needed(value, {name: unit}, **bounds)
+
+
+def store_needed(value: object, units: Mapping[str, str], **bounds: float) -> None:
+    """`store_numbers` of what must be known."""
+    for name, unit in units.items():
+        object.__setattr__(value, name, checked_number(name, getattr(value, name), unit=unit, **bounds))
+
+
+def checked_kind(name: str, value: Kind, kind: type[Any] | tuple[type[Any], ...]) -> Kind:
+    """Return `value` if it is one of ours; anything else in its place would be found out much later, if at all."""
+    if not isinstance(value, kind):
+        kinds = " or ".join(one.__name__ for one in (kind if isinstance(kind, tuple) else (kind,)))
+        raise InputError(f"{name}: expected {kinds}(...), got {reprlib.repr(value)}")
+    return value
+
+
+def checked_list(name: str, value: Iterable[Kind]) -> tuple[Kind, ...]:
+    """Return what can be gone through as a tuple; a text is no list of its letters."""
+    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
+        raise InputError(f"{name}: expected a list, got {reprlib.repr(value)}")
+    return tuple(value)
+
+
+def checked_texts(name: str, value: Iterable[str] | None) -> tuple[str, ...]:
+    """Return texts as a tuple, empty for None; one text is no list of its letters."""
+    texts = () if value is None else checked_list(name, value)
+    if not all(isinstance(one, str) for one in texts):
+        raise InputError(f"{name}: expected a list of texts, got {reprlib.repr(value)}")
+    return texts
+
+
+def checked_whole(name: str, value: int, *, at_least: int | None = None, at_most: int | None = None) -> int:
+    """Return `value` as an int within the bounds; 3.0 is no whole number, nor is True."""
+    is_whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    if not is_whole or (at_least is not None and value < at_least) or (at_most is not None and value > at_most):
+        bounds = ("" if at_least is None else f" from {at_least}") + ("" if at_most is None else f" to {at_most}")
+        raise InputError(f"{name} = {reprlib.repr(value)}: expected a whole number{bounds}")
+    return int(value)
 
 
 def checked_number(
@@ -205,11 +256,16 @@ def checked_number(
 def checked_times(name: str, value: ArrayLike, count: int | None = None) -> Array:
     """Return strictly increasing times in s; a message names the first pair that is not."""
     times = checked_array(name, value, (count,), unit="s")
-    increasing = times[1:] > times[:-1]
-    if not increasing.all():
-        k = int(np.argmin(increasing))
+    steps = times[1:] - times[:-1]
+    if not (steps > 0).all():
+        k = int(np.argmin(steps > 0))
         raise InputError(
             f"{name}: must increase strictly, but {name}[{k}] = {times[k]:.12g} s is followed by {times[k + 1]:.12g} s"
+        )
+    if not (steps >= _SHORTEST).all():
+        k = int(np.argmin(steps))
+        raise InputError(
+            f"{name}[{k}] = {times[k]:.12g} s and {name}[{k + 1}] = {times[k + 1]:.12g} s are too close to each other"
         )
     return times
 

@@ -18,7 +18,7 @@ from puma_septic.limit_check import AT_LIMIT, most_used_first
 from puma_septic.quantities import QUANTITIES
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array
+from puma_septic.validation import Array, checked_kind, checked_list
 
 __all__ = [
     "BLOCK",
@@ -139,7 +139,7 @@ def assess_many(robot: Robot, trajectories: Iterable[Trajectory]) -> ManyAssessm
     >>> many.is_feasible.tolist(), many.governing_quantity.tolist()
     ([False, True, True], ['velocity', 'effort', 'effort'])
     """
-    given = list(trajectories)
+    given = checked_list("trajectories", trajectories)
     check_trajectories(robot, given)
     blocks = [_block(robot, given[k : k + BLOCK]) for k in range(0, len(given), BLOCK)]
     joined = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
@@ -181,6 +181,7 @@ def _frozen(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
 
 
 def check_trajectories(robot: Robot, trajectories: Sequence[Trajectory]) -> None:
+    checked_kind("robot", robot, Robot)
     if not trajectories:
         raise InputError("trajectories: at least one is needed")
     for k, one in enumerate(trajectories):

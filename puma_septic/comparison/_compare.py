@@ -15,7 +15,7 @@ from puma_septic.objectives import Candidate, checked_objectives
 from puma_septic.paths import ToolLimits
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import checked_array, checked_number, checked_times
+from puma_septic.validation import checked_array, checked_kind, checked_number, checked_times
 
 __all__ = ["compare"]
 
@@ -85,7 +85,8 @@ def compare(
     >>> [(row.name, row.stops_at_vias) for row in result.profiles]
     [('quintic', True), ('quintic_spline', False)]
     """
-    vias = checked_array("points", points, (None, robot.n_joints), unit="rad")
+    n_joints = checked_kind("robot", robot, Robot).n_joints
+    vias = checked_array("points", points, (None, n_joints), unit="rad")
     if len(vias) < 2:
         raise InputError(f"a comparison needs at least 2 points, got {len(vias)}")
     instants = checked_times("times", times, len(vias))

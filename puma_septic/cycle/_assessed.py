@@ -17,6 +17,7 @@ from puma_septic.errors import InputError
 from puma_septic.limit_check import LimitCheck
 from puma_septic.motion import Motion
 from puma_septic.paths import ToolLimits
+from puma_septic.validation import checked_texts
 from puma_septic.views import cycle as view
 
 __all__ = ["CycleAssessment", "assess_cycle"]
@@ -220,7 +221,7 @@ def assess_cycle(
         raise InputError(f"assess_cycle takes a Cycle, got {cycle!r}")
     steps = cycle.steps
     own = [f"{k + 1} {'dwell' if isinstance(one, Dwell) else one.trajectory.profile}" for k, one in enumerate(steps)]
-    given = tuple(own if names is None else names)
+    given = tuple(own) if names is None else checked_texts("names", names)
     if len(given) != len(steps):
         raise InputError(f"names: {len(given)} names for {len(steps)} steps; one for each is needed")
     motions = (assess(step, tool_limits=tool_limits, floor=floor) for step in steps if isinstance(step, Motion))

@@ -30,7 +30,7 @@ from puma_septic.motion import Motion, compute_motion, joined
 from puma_septic.piecewise import Jumps, Piecewise
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_number, frozen
+from puma_septic.validation import Array, checked_kind, checked_list, checked_number, frozen
 
 __all__ = ["Cycle", "way_back", "with_return"]
 
@@ -67,7 +67,7 @@ class Cycle:
     _stretches: tuple[Stretch, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        steps = tuple(self.steps)
+        steps = checked_list("steps", self.steps)
         object.__setattr__(self, "steps", steps)
         check_steps(steps)
         stretches = tuple(stretch(steps, k) for k in range(len(steps)))
@@ -268,7 +268,7 @@ def way_back(motion: Motion, robot: Robot | None = None) -> Motion:
     -------
     Motion
     """
-    trajectory = motion.trajectory
+    trajectory = checked_kind("motion", motion, Motion).trajectory
     back = replace(
         trajectory,
         position=trajectory.position.reversed(),

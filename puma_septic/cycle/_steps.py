@@ -16,7 +16,7 @@ from puma_septic.motion import Motion, Rest, compute_motion
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Actuator, Payload, Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_number
+from puma_septic.validation import Array, checked_kind, checked_number
 
 __all__ = [
     "Dwell",
@@ -62,6 +62,8 @@ class Dwell:
         object.__setattr__(self, "duration", checked_number("dwell duration", self.duration, unit="s", above=0.0))
         if not isinstance(self.holding_brake, bool):
             raise InputError(f"holding_brake = {self.holding_brake!r}: expected True or False")
+        if self.payload is not None:
+            checked_kind("payload", self.payload, Payload)
 
     def __repr__(self) -> str:
         return one_line("Dwell", self._facts())

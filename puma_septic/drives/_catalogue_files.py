@@ -29,6 +29,7 @@ from puma_septic.drives._motor import Motor
 from puma_septic.drives._table_file import Row, raw_rows, read_table
 from puma_septic.drives._units import current_measure
 from puma_septic.errors import InputError
+from puma_septic.files import checked_path
 from puma_septic.friction import Friction
 from puma_septic.validation import checked_choice
 
@@ -90,8 +91,9 @@ def load_catalogue(motors: str | Path, gearboxes: str | Path, pairs: str | Path 
     InputError
         With file, row and column: a missing column, an unknown unit of a column, or a file of which no row can be read.
     """
-    found, cogs = _parts(Path(motors), MOTOR, _motor), _parts(Path(gearboxes), GEARBOX, _gearbox)
-    fitting, refused = (None, ()) if pairs is None else _pairs(Path(pairs), found.parts, cogs.parts)
+    files = [checked_path(one, "catalogue") for one in (motors, gearboxes, *([] if pairs is None else [pairs]))]
+    found, cogs = _parts(files[0], MOTOR, _motor), _parts(files[1], GEARBOX, _gearbox)
+    fitting, refused = (None, ()) if pairs is None else _pairs(files[2], found.parts, cogs.parts)
     both = (("motors", found), ("gearboxes", cogs))
     try:
         return Catalogue(

@@ -15,7 +15,7 @@ from puma_septic.drives._part_checks import ABSOLUTE_ZERO_CELSIUS
 from puma_septic.drives._stage import LinearStage
 from puma_septic.errors import InputError
 from puma_septic.friction import Friction
-from puma_septic.validation import Array, checked_number, frozen, store_numbers
+from puma_septic.validation import Array, checked_kind, checked_number, frozen, store_numbers
 
 __all__ = ["Drivetrain"]
 
@@ -100,6 +100,8 @@ class Drivetrain:
     max_inertia_ratio: float = np.nan
 
     def __post_init__(self) -> None:
+        for name, kind in (("motor", Motor), ("gearbox", Gearbox), ("drive", Drive)):
+            checked_kind(name, getattr(self, name), kind)
         around = {"ambient_celsius": "degrees Celsius", "altitude": "m"}
         for name, least in (("ambient_celsius", ABSOLUTE_ZERO_CELSIUS), ("altitude", None)):
             given = checked_number(name, getattr(self, name), unit=around[name], above=least)

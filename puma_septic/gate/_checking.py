@@ -17,7 +17,7 @@ from puma_septic.limits import AT_REST
 from puma_septic.quantities import MAGNITUDES, QUANTITIES
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, checked_number
+from puma_septic.validation import Array, checked_array, checked_kind, checked_number
 from puma_septic.views import gate
 
 __all__ = ["START_TOLERANCE", "TrajectoryCheck", "check_trajectory"]
@@ -143,6 +143,8 @@ def check_trajectory(
     >>> ps.check_trajectory(robot, move, allow=["limit_unknown"]).verdict
     'ok'
     """
+    checked_kind("robot", robot, Robot)
+    checked_kind("trajectory", trajectory, Trajectory)
     allowed = checked_allowances(allow, tuple(QUANTITIES))
     tolerance = checked_number("start_tolerance", start_tolerance, unit="rad", at_least=0.0)
     place = None if start is None else checked_array("start", start, (robot.n_joints,), unit="rad")

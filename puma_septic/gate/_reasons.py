@@ -11,7 +11,7 @@ import numpy as np
 from puma_septic.document import plain
 from puma_septic.errors import InputError
 from puma_septic.quantities import MAGNITUDES, QUANTITIES
-from puma_septic.validation import checked_choice
+from puma_septic.validation import checked_choice, checked_texts
 
 __all__ = [
     "ALLOWABLE",
@@ -141,6 +141,7 @@ def checked_allowances(allow: Iterable[str], quantities: tuple[str, ...]) -> fro
     """
     if isinstance(allow, str):
         raise InputError(f"allow: expected a list of reasons, got the text {allow!r}; write [{allow!r}]")
+    allow = checked_texts("allow", allow)
     allowed = frozenset(allow)
     for word in allowed:
         code, colon, quantity = word.partition(":")

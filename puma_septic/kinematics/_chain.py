@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from puma_septic.errors import InputError, ModelError
 from puma_septic.robot import Robot
-from puma_septic.validation import Array, checked_array, checked_choice, n_dimensions, numbers, read_only
+from puma_septic.validation import Array, checked_array, checked_choice, checked_kind, n_dimensions, numbers, read_only
 
 __all__ = ["Chain", "chain_to", "checked_joint_values", "cross", "end_frame", "frames"]
 
@@ -71,7 +71,7 @@ def chain_to(robot: Robot, frame: str | None = None) -> Chain:
     ModelError
         For a joint with more than one degree of freedom, or one that both turns and slides.
     """
-    model = robot.model
+    model = checked_kind("robot", robot, Robot).model
     name = checked_choice("frame", robot.tool if frame is None else frame, [f.name for f in model.frames])
     target = model.frames[_frame_id(model, name)]
     supports = [i for i in model.supports[target.parentJoint] if i != 0]
@@ -161,6 +161,7 @@ def cross(a: Array, b: Array) -> Array:
 
 def checked_joint_values(robot: Robot, name: str, values: ArrayLike) -> Array:
     """Return joint values as (n, n_joints) from one configuration or many; a message names the joint."""
+    checked_kind("robot", robot, Robot)
     one = n_dimensions(values) == 1
     try:
         array = checked_array(name, values, (robot.n_joints,) if one else (None, robot.n_joints))

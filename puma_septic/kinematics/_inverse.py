@@ -26,7 +26,15 @@ from puma_septic.kinematics._poses import CONDITIONS, RIGIDITY, Conditions, chec
 from puma_septic.kinematics._puma_branches import CONFIGURATIONS, SINGULARITIES, PumaGeometry
 from puma_septic.kinematics._wrapping import within
 from puma_septic.robot import Robot
-from puma_septic.validation import Array, checked_array, checked_choice, checked_number, freeze_fields, read_only
+from puma_septic.validation import (
+    Array,
+    checked_array,
+    checked_choice,
+    checked_kind,
+    checked_number,
+    freeze_fields,
+    read_only,
+)
 from puma_septic.views.tables import html_table
 
 __all__ = [
@@ -240,7 +248,7 @@ def inverse_kinematics(
     >>> solutions.extent
     'all 8 branches'
     """
-    if not len(chain_to(robot).columns):
+    if not len(chain_to(checked_kind("robot", robot, Robot)).columns):
         raise ModelError(
             f"no joint of {robot.name!r} carries the tool {robot.tool!r}: choose another frame as the tool"
         )
@@ -294,6 +302,7 @@ def inverse_kinematics_batch(
     >>> ps.inverse_kinematics_batch(robot, poses).q.shape
     (2, 8, 6)
     """
+    checked_kind("robot", robot, Robot)
     form = closed_form(robot)
     if form is None:
         raise ModelError(

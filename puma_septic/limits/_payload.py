@@ -23,7 +23,7 @@ from puma_septic.piecewise import Piecewise
 from puma_septic.quantities import QUANTITIES
 from puma_septic.robot import Payload, Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, frozen, read_only
+from puma_septic.validation import Array, checked_array, checked_kind, frozen, read_only
 from puma_septic.views import limits as view
 
 __all__ = ["Load", "MaximumPayload", "maximum_payload"]
@@ -199,7 +199,7 @@ def maximum_payload(
     >>> round(heaviest.mass, 3), heaviest.governing.joint, heaviest.governing.quantity
     (4.596, 'joint2', 'effort')
     """
-    load = checked_load(motion.robot, com, gyration)
+    load = checked_load(checked_kind("motion", motion, Motion).robot, com, gyration)
     robot, trajectory = motion.robot, motion.trajectory
     bare = motion if robot.payload is None else compute_motion(robot.with_payload(None), trajectory)
     first = assess(bare, floor=floor, tool_limits=tool_limits)

@@ -22,7 +22,7 @@ from puma_septic.motion import Motion, compute_motion
 from puma_septic.piecewise import Piecewise
 from puma_septic.piecewise.combinations import Combinations
 from puma_septic.quantities import QUANTITIES
-from puma_septic.validation import Array, checked_array, checked_number, freeze_fields, read_only
+from puma_septic.validation import Array, checked_array, checked_kind, checked_number, freeze_fields, read_only
 
 __all__ = [
     "Sweep",
@@ -174,7 +174,7 @@ def duration_sweep(motion: Motion, durations: ArrayLike) -> Sweep:
     ([False, True, True], [1.242, 0.699, 0.575])
     """
     times = _checked("durations", durations, unit="s", above=0.0)
-    payload = motion.robot.payload
+    payload = checked_kind("motion", motion, Motion).robot.payload
     return _sweep(motion, checked_load(motion.robot, None, None), times, np.full(len(times), _mass(payload)))
 
 
@@ -202,7 +202,7 @@ def payload_sweep(
         For a negative mass, a shape that no body has, or friction that is not viscous plus constant.
     """
     m = _checked("masses", masses, unit="kg", at_least=0.0)
-    load = checked_load(motion.robot, com, gyration)
+    load = checked_load(checked_kind("motion", motion, Motion).robot, com, gyration)
     return _sweep(motion, load, np.full(len(m), motion.trajectory.duration), m)
 
 
@@ -237,7 +237,7 @@ def payload_duration_map(
     """
     times = _checked("durations", durations, unit="s", above=0.0)
     m = _checked("masses", masses, unit="kg", at_least=0.0)
-    load = checked_load(motion.robot, com, gyration)
+    load = checked_load(checked_kind("motion", motion, Motion).robot, com, gyration)
     return _sweep(motion, load, *(np.ascontiguousarray(axis.T) for axis in np.meshgrid(times, m)))
 
 
@@ -263,7 +263,7 @@ def payload_and_duration(motion: Motion, durations: ArrayLike, masses: ArrayLike
     m = _checked("masses", masses, unit="kg", at_least=0.0)
     if len(times) != len(m):
         raise InputError(f"{len(times)} durations and {len(m)} masses: expected one of each for a case")
-    return _sweep(motion, checked_load(motion.robot, None, None), times, m)
+    return _sweep(motion, checked_load(checked_kind("motion", motion, Motion).robot, None, None), times, m)
 
 
 def _checked(name: str, values: ArrayLike, *, unit: str, **bounds: float) -> Array:

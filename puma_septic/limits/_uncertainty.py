@@ -15,7 +15,7 @@ from puma_septic.motion import Motion
 from puma_septic.piecewise import Piecewise
 from puma_septic.piecewise.combinations import Combinations
 from puma_septic.robot import Robot
-from puma_septic.validation import Array, checked_number, read_only
+from puma_septic.validation import Array, checked_kind, checked_number, checked_whole, read_only
 
 __all__ = ["TorqueUncertainty", "torque_uncertainty"]
 
@@ -139,7 +139,7 @@ def torque_uncertainty(
     >>> doubt.verdicts[1], bool(doubt.greatest[1] > doubt.nominal[1])
     ('feasible', True)
     """
-    robot = motion.robot
+    robot = checked_kind("motion", motion, Motion).robot
     check_inertia(robot)
     check_uncoupled(robot, "the regressor")
     check_plain_friction(robot, "the regressor")
@@ -147,8 +147,7 @@ def torque_uncertainty(
     sizes = {name: checked_number(name, value, at_least=0.0) for name, value in given.items()}
     if not any(sizes.values()):
         raise InputError("torque_uncertainty: give at least one tolerance above 0")
-    if isinstance(samples, bool) or samples < 1:
-        raise InputError(f"samples = {samples}: expected a whole number from 1")
+    samples = checked_whole("samples", samples, at_least=1)
     names, nominal, width = _parameters(robot, sizes)
     parts = _parts(motion)
     whole = Combinations(parts=parts)

@@ -17,12 +17,22 @@ from puma_septic.files import read_text
 from puma_septic.logs._clock import even_stamps, exact_stamps, near_origin
 from puma_septic.logs._columns import Layout, is_unit, laid_out
 from puma_septic.robot import Robot
-from puma_septic.validation import Array, checked_choice, checked_number, read_only
+from puma_septic.validation import (
+    LARGEST,
+    Array,
+    checked_choice,
+    checked_kind,
+    checked_number,
+    checked_texts,
+    read_only,
+)
 
 __all__ = ["JointLog", "read_csv_trajectory", "read_log"]
 
 # 200,000 rows of six joints, at 1 kHz more than three minutes.
 _MAX_BYTES: Final = 16_000_000
+# s between samples: far below what any clock tells.
+_SHORTEST: Final = 1e-12
 _COMMENTS: Final = ("#", "%", "//")
 _NAMES: Final = {";": "';'", "\t": "tabs", " ": "blanks"}
 
@@ -222,6 +232,9 @@ def read_log(
     ("separator ';', decimal comma, 1 comment line", "columns not read: 'mode'")
     """
     checked_choice("repeated", repeated, ("refuse", "average"))
+    if robot is not None:
+        checked_kind("robot", robot, Robot)
+    units = checked_texts("units", units)
     cells = _read_cells(path)
     layout = laid_out(
         f"{path}, row {cells.header.line}",
@@ -240,7 +253,7 @@ def read_log(
     lines = np.array([row.line for row in cells.rows])
     positions = [column.quantity == "position" for column in layout.columns]
     t, values, lines, merged = _without_repeats(t, values, lines, positions, average=repeated == "average")
-    _check_times(path, t, lines, math.inf if max_gap is None else max_gap, clock.name)
+    _check_times(path, t, lines, max_gap, clock.name)
     even = even_stamps(t, max(digit, 2 * float(np.spacing(abs(float(first)))) * clock.factor))
     notes = [*cells.notes, *merged]
     if even is not t:
@@ -271,7 +284,7 @@ def _numbers(path: Path, header: Sequence[str], rows: Sequence[_Row], layout: La
     try:
         values = np.array([[float(text) for text in row] for row in texts])
         # float() would take 1_000 for a number.
-        good = np.isfinite(values).all() and not any("_" in "".join(row) for row in texts)
+        good = (np.abs(values) <= LARGEST).all() and not any("_" in "".join(row) for row in texts)
     except ValueError:
         good = False
     if not good:
@@ -288,8 +301,8 @@ def _refuse_cell(path: Path, rows: Sequence[_Row], layout: Layout) -> NoReturn:
                 number = float(text) if "_" not in text else math.nan
             except ValueError:
                 number = math.nan
-            if not math.isfinite(number):
-                problem = f"{text!r} is not a finite number" if text else "the value is missing"
+            if not abs(number) <= LARGEST:
+                problem = f"{text!r} is not a finite number up to {LARGEST:g}" if text else "the value is missing"
                 raise InputError(f"{path}, row {row.line}, column {column.name!r}: {problem}")
     raise AssertionError("every cell is a number")
 
@@ -314,15 +327,15 @@ def _without_repeats(
     return t[starts], means, lines[starts], [note]
 
 
-def _check_times(path: Path, t: Array, lines: NDArray[np.int64], max_gap: float, name: str) -> None:
+def _check_times(path: Path, t: Array, lines: NDArray[np.int64], max_gap: float | None, name: str) -> None:
     steps = np.diff(t)
-    for k in np.flatnonzero(~(steps > 0))[:1]:
+    for k in np.flatnonzero(~(steps >= _SHORTEST))[:1]:
         remedy = "; repeated stamps can be averaged" if steps[k] == 0 else ""
         raise InputError(
             f"{path}, row {lines[k + 1]}, column {name!r}: {t[k + 1]:g} s does not come after {t[k]:g} s in row"
             f" {lines[k]}; times must increase strictly{remedy}"
         )
-    longest = max_gap if math.isinf(max_gap) else checked_number("max_gap", max_gap, unit="s", above=0.0)
+    longest = math.inf if max_gap is None else checked_number("max_gap", max_gap, unit="s", above=0.0)
     for k in np.flatnonzero(steps > longest)[:1]:
         raise InputError(
             f"{path}, row {lines[k + 1]}, column {name!r}: a gap of {steps[k]:g} s since row {lines[k]} is longer"

@@ -35,7 +35,7 @@ from puma_septic.logs._spread import Spread, noise_doubts, sample_doubts, sample
 from puma_septic.logs._suspicions import suspicions
 from puma_septic.profiles import quintic
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, checked_choice, checked_times, n_dimensions
+from puma_septic.validation import Array, checked_array, checked_choice, checked_texts, checked_times, n_dimensions
 
 __all__ = ["FitResidual", "LogFit", "fit_log", "fit_residual", "fit_samples", "fit_trajectory"]
 
@@ -225,7 +225,7 @@ def fit_samples(
     """
     checked_choice("ends", ends, ("auto", "rest", "moving"))
     n = samples.shape[1]
-    names = tuple(joint_names or ())
+    names = checked_texts("joint_names", joint_names)
     labels = [f"joint {name!r}" for name in names] or [f"joint {j + 1}" for j in range(n)]
     t = even_stamps(times - times[0], 2 * float(np.spacing(np.abs(times).max())))
     q, wraps = _unwrapped(samples, continuous)

@@ -9,7 +9,7 @@ import numpy as np
 
 from puma_septic.errors import InputError
 from puma_septic.kinematics import CONFIGURATIONS
-from puma_septic.validation import Array, checked_array, checked_choice, checked_times, store_numbers
+from puma_septic.validation import Array, checked_array, checked_choice, checked_times, store_needed
 
 __all__ = ["PAPER", "POINTS", "PaperInputs"]
 
@@ -68,10 +68,10 @@ class PaperInputs:
             raise InputError(f"times: the motion starts at 0 s, not at {times[0]:g} s")
         object.__setattr__(self, "times", times)
         checked_choice("configuration", self.configuration, CONFIGURATIONS)
-        store_numbers(self, {"blend_time": "s"}, at_least=0.0)
-        store_numbers(self, {"septic_seconds": "s", "lspb_seconds": "s"}, above=0.0)
+        store_needed(self, {"blend_time": "s"}, at_least=0.0)
+        store_needed(self, {"septic_seconds": "s", "lspb_seconds": "s"}, above=0.0)
         stated = [name for name in ("velocity_limit", "acceleration_limit") if getattr(self, name) is not None]
-        store_numbers(self, dict.fromkeys(stated, ""), above=0.0)
+        store_needed(self, dict.fromkeys(stated, ""), above=0.0)
         if self.tracking_errors is not None:
             errors = checked_array("tracking_errors", self.tracking_errors, (2,), unit="rad")
             object.__setattr__(self, "tracking_errors", errors)

@@ -16,7 +16,7 @@ from puma_septic.paths._path import Path
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_number
+from puma_septic.validation import Array, checked_kind, checked_number
 
 __all__ = ["at_speed", "in_time", "timed", "tool_move"]
 
@@ -58,7 +58,7 @@ def at_speed(path: Path, *, speed: float, acceleration: float, jerk: float | Non
     """
     v = checked_number("speed", speed, unit="m/s", above=0.0)
     a = checked_number("acceleration", acceleration, unit="m/s^2", above=0.0)
-    points = [[0.0], [path.length]]
+    points = [[0.0], [checked_kind("path", path, Path).length]]
     if jerk is not None:
         j = checked_number("jerk", jerk, unit="m/s^3", above=0.0)
         return profiles.double_s(points, max_velocity=v, max_acceleration=a, max_jerk=j)

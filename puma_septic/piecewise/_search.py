@@ -180,7 +180,11 @@ def _cells_of(series: Array, column: Index, k: Index, grid: int) -> _Cells:
     nodes = matrices.nodes(grid - 1)
     left, right = nodes[k], nodes[k + 1]
     x = ((1 - matrices.nodes(_LOCAL)[:, None]) * left + (1 + matrices.nodes(_LOCAL)[:, None]) * right) / 2
-    values = (matrices.basis_at(x, len(series) - 1) * series[:, None, column]).sum(axis=0)
+    values, step = np.empty_like(x), max(1, _BLOCK // (len(series) * len(x)))
+    for start in range(0, len(column), step):
+        some = slice(start, start + step)
+        basis = matrices.basis_at(x[:, some], len(series) - 1)
+        values[:, some] = (basis * series[:, None, column[some]]).sum(axis=0)
     to_control = matrices.to_bernstein_matrix(_LOCAL) @ matrices.coefficients_from_values(_LOCAL)
     return _Cells(column, left, right, to_control @ values)
 

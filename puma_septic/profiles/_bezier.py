@@ -30,6 +30,8 @@ BEZIER = ProfileInfo(
 # Measured on 300 curves of up to 24 points: with 4 to 6 coefficients velocity and acceleration at the ends are zero to
 # 3e-14 of their peaks, and no curve leaves the hull of its points.
 _KEPT = 6
+# Binomial coefficients beyond order 1029 are no doubles.
+_MOST_POINTS = 1000
 
 
 def bezier(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | None = None) -> Trajectory:
@@ -66,7 +68,7 @@ def bezier(points: ArrayLike, times: ArrayLike, *, joint_names: Sequence[str] | 
     >>> round(float(move.extrema(1).max[0]), 12)
     1.875
     """
-    vias = Vias.of("bezier", points, times, joint_names)
+    vias = Vias.of("bezier", points, times, joint_names, at_most=_MOST_POINTS)
     control = np.concatenate([vias.q[:1], vias.q[:1], vias.q, vias.q[-1:], vias.q[-1:]]) - vias.q[0]
     degree = len(control) - 1
     # The jerk is a Bezier curve too, of the third differences.

@@ -145,7 +145,7 @@ def polynomial_blends(
     (0.5, 0.75)
     """
     vias = Vias.of("polynomial_blends", points, times, joint_names)
-    if degree not in _DEGREES:
+    if not isinstance(degree, int) or degree not in _DEGREES:
         raise InputError(f"degree = {degree!r} is not one of {', '.join(map(str, _DEGREES))}")
     return vias.trajectory(_blended(vias, _blend_times(vias, blend_time), degree))
 

@@ -142,7 +142,7 @@ def bspline_control(
 
 
 def _check_degree(degree: int) -> None:
-    if degree not in _DEGREES:
+    if not isinstance(degree, int) or degree not in _DEGREES:
         raise InputError(f"degree = {degree!r} is not one of {', '.join(map(str, _DEGREES))}")
 
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, checked_times, n_dimensions
+from puma_septic.validation import Array, checked_array, checked_texts, checked_times, n_dimensions
 
 __all__ = ["Vias", "boundary", "checked_points", "joint_labels", "named"]
 
@@ -54,6 +54,7 @@ class Vias:
         joint_names: Sequence[str] | None = None,
         *,
         at_least: int = 2,
+        at_most: int | None = None,
         exactly: int | None = None,
     ) -> Vias:
         """Points and times that pass the checks which every profile makes at its door.
@@ -65,8 +66,8 @@ class Vias:
         times : array_like, shape (k,)
             Strictly increasing, s.
         joint_names : sequence of str, optional
-        at_least, exactly : int
-            How many points the profile needs.
+        at_least, at_most, exactly : int
+            How many points the profile needs, or takes.
 
         Returns
         -------
@@ -78,7 +79,7 @@ class Vias:
             For too few points or too many, times that do not increase or do not number as many, non-finite or
             misshapen arrays.
         """
-        q = checked_points(profile, points, at_least=at_least, exactly=exactly)
+        q = checked_points(profile, points, at_least=at_least, at_most=at_most, exactly=exactly)
         instants = checked_times("times", times)
         if len(instants) != len(q):
             raise InputError(f"times: {len(instants)} times for {len(q)} points; one for each is needed")
@@ -137,7 +138,9 @@ class Vias:
         )
 
 
-def checked_points(profile: str, points: ArrayLike, *, at_least: int = 2, exactly: int | None = None) -> Array:
+def checked_points(
+    profile: str, points: ArrayLike, *, at_least: int = 2, at_most: int | None = None, exactly: int | None = None
+) -> Array:
     """Via points (k, n_joints) with as many rows as the profile needs."""
     array = checked_array("points", points, (None, None))
     if array.shape[1] == 0:
@@ -146,6 +149,8 @@ def checked_points(profile: str, points: ArrayLike, *, at_least: int = 2, exactl
         raise InputError(f"{profile} needs exactly {exactly} points, got {len(array)}")
     if len(array) < at_least:
         raise InputError(f"{profile} needs at least {at_least} points, got {len(array)}")
+    if at_most is not None and len(array) > at_most:
+        raise InputError(f"{profile} takes at most {at_most} points, got {len(array)}")
     return array
 
 
@@ -162,7 +167,7 @@ def named(joint_names: Sequence[str] | None) -> tuple[str, ...]:
     """Joint names as a tuple, empty where none are given."""
     if isinstance(joint_names, str):
         raise InputError(f"joint_names: expected one name per joint, got the single string {joint_names!r}")
-    return tuple(joint_names or ())
+    return checked_texts("joint_names", joint_names)
 
 
 def joint_labels(joint_names: Sequence[str], n_joints: int) -> list[str]:

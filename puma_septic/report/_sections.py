@@ -26,6 +26,7 @@ from puma_septic.simulation import Execution, Simulation
 from puma_septic.sizing import LoadCase, Selection, Sizing
 from puma_septic.task import ResolvedTask, Task
 from puma_septic.trajectory import Trajectory
+from puma_septic.validation import checked_list
 from puma_septic.views import execution as execution_view
 from puma_septic.views import limits as limits_view
 from puma_septic.views import profiles as view
@@ -186,7 +187,13 @@ def case_of(
         return _selection_case(what, title, what.to_dict() if document is None else document, point_names)
     if isinstance(what, PaperReport):
         return replace(_paper_case(what, title), point_names=POINTS)
-    group = (what,) if isinstance(what, Assessment) else () if isinstance(what, CycleAssessment) else tuple(what)
+    group = (
+        (what,)
+        if isinstance(what, Assessment)
+        else ()
+        if isinstance(what, CycleAssessment)
+        else checked_list("report", what)
+    )
     if not group or not all(isinstance(one, Assessment) for one in group):
         raise InputError(f"a report is made of one assessment or a sequence of them, got {what!r}")
     names = {one.motion.robot.joint_names for one in group}

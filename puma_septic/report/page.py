@@ -42,6 +42,7 @@ from puma_septic.report._sections import (
 )
 from puma_septic.robot import Robot
 from puma_septic.task import ResolvedTask, Task
+from puma_septic.validation import checked_kind, checked_texts
 from puma_septic.viewer import replay_html
 from puma_septic.views import assessment as assessment_view
 from puma_septic.views import profiles as profiles_view
@@ -141,10 +142,12 @@ def report_html(
     >>> html[:15], "Feasible" in html
     ('<!DOCTYPE html>', True)
     """
+    if title is not None:
+        checked_kind("title", title, str)
     if isinstance(what, CycleAssessment):
         return cycle_html(what, title=title)
     case = case_of(what, title, document, point_names)
-    if notes:
+    if notes := checked_texts("notes", notes):
         items = Markup("").join(Markup("<li>{}</li>").format(note) for note in notes)
         case = replace(case, preface=Markup("<ul>{}</ul>").format(items) + case.preface)
     return _page(case.title, [_section(case, units)], made)

@@ -10,7 +10,7 @@ import numpy as np
 from puma_septic.document import card, known, one_line
 from puma_septic.errors import InputError
 from puma_septic.quantities import MAGNITUDES, QUANTITIES
-from puma_septic.validation import Array, checked_array, checked_choice, checked_number
+from puma_septic.validation import Array, checked_array, checked_choice, checked_kind, checked_number
 
 __all__ = ["Limits", "Payload", "Wrench"]
 
@@ -42,6 +42,7 @@ class Limits:
     torque_rate: Array = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
+        checked_kind("source", self.source, str)
         position = checked_array("position", self.position, (None, 2), allow_nan=True)
         if (position[:, 0] >= position[:, 1]).any():
             k = int(np.argmax(position[:, 0] >= position[:, 1]))

@@ -10,9 +10,11 @@ import numpy as np
 
 from puma_septic.drives import Drive, Drivetrain, Gearbox, LinearStage, Motor
 from puma_septic.errors import InputError, ModelError
+from puma_septic.files import checked_path
 from puma_septic.robot._model import Robot
 from puma_septic.robot._names import data_folder
 from puma_septic.robot._toml_text import read_toml, table
+from puma_septic.validation import checked_kind
 
 __all__ = ["load_drivetrains", "load_electronics", "own_drivetrains"]
 
@@ -47,6 +49,7 @@ def own_drivetrains(robot: Robot) -> tuple[Drivetrain, ...]:
     >>> own_drivetrains(ps.load_robot())[1].max_effort
     97.0
     """
+    checked_kind("robot", robot, Robot)
     return tuple(_limited(robot, j, train) for j, train in enumerate(robot.drivetrains))
 
 
@@ -103,7 +106,8 @@ def load_drivetrains(robot: Robot, path: str | Path | None = None) -> tuple[Driv
     >>> load_drivetrains(ps.load_robot())[1].motor.torque_constant
     0.228
     """
-    file = data_folder() / f"{robot.name}_drives.toml" if path is None else Path(path)
+    name = checked_kind("robot", robot, Robot).name
+    file = data_folder() / f"{name}_drives.toml" if path is None else checked_path(path, "drives file")
     if path is None and not file.is_file():
         return own_drivetrains(robot)
     return tuple(_limited(robot, j, train) for j, train in enumerate(_told(robot, file)))
@@ -122,7 +126,7 @@ def load_electronics(robot: Robot, path: str | Path) -> tuple[Drivetrain, ...]:
     ModelError
         For a file that is missing or malformed, with the joint and key.
     """
-    told = _told(robot, Path(path))
+    told = _told(robot, checked_path(path, "drives file"))
     return tuple(Drivetrain(gearbox=Gearbox(ratio=1.0), drive=train.drive, stage=train.stage) for train in told)
 
 

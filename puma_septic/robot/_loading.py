@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from puma_septic.drives import Drivetrain
 from puma_septic.errors import InputError, ModelError
+from puma_septic.files import checked_path
 from puma_septic.robot._actuator_file import ActuatorFile, ParameterSet, read_actuator_file
 from puma_septic.robot._components import Limits, Payload
 from puma_septic.robot._locking import (
@@ -33,7 +34,7 @@ from puma_septic.robot._tool import chosen_tool
 from puma_septic.robot._urdf_checks import Urdf, checked_urdf
 from puma_septic.robot._urdf_drives import SOFT, position_range, soft_positions, urdf_drivetrains, urdf_limits
 from puma_septic.robot._urdf_text import read_urdf
-from puma_septic.validation import Array, checked_array, checked_choice
+from puma_septic.validation import Array, checked_array, checked_choice, checked_kind
 
 __all__ = ["load_robot", "robot_files"]
 
@@ -114,7 +115,7 @@ def load_robot(
     file = None if actuator_path is None else read_actuator_file(actuator_path, text.root.get("name", ""))
     whole = checked_urdf(text)
     given = _parameter_set(file, parameters, whole)
-    whole = _repaired(whole, given, links or {}, actuator_path)
+    whole = _repaired(whole, given, {} if links is None else checked_kind("links", links, Mapping), actuator_path)
     urdf, (frame, chosen) = _arranged(whole, positions, _wanted_tool(tool, file, whole), lock_others=lock_others)
     model = _pinocchio_model(urdf, down)
     geometry, missing_meshes = confined_geometry(urdf, package_dirs)
@@ -167,7 +168,7 @@ def _paths(source: str | Path, actuators: str | Path | None) -> tuple[Path, Path
     """Files of a robot; one of this package may have an actuator file of its own."""
     path = robot_file(source)
     if actuators is not None:
-        return path, Path(actuators)
+        return path, checked_path(actuators, "actuator file")
     return path, own_file(path, "actuators")
 
 

@@ -14,7 +14,7 @@ from puma_septic.errors import InputError
 from puma_septic.robot._urdf_checks import Urdf
 from puma_septic.robot._urdf_drives import position_range
 from puma_septic.robot._urdf_schema import vector
-from puma_septic.validation import Array, checked_choice, checked_number
+from puma_septic.validation import Array, checked_choice, checked_kind, checked_number
 
 __all__ = [
     "OTHERS",
@@ -48,7 +48,7 @@ def named_locks(locked: Locks) -> tuple[dict[str, float], bool]:
     if isinstance(locked, str):
         checked_choice("text for locked", locked, [OTHERS])
         return {}, True
-    given = dict(locked or {})
+    given = {} if locked is None else dict(checked_kind("locked", locked, Mapping))
     others = OTHERS in given and given.pop(OTHERS) is None
     return {name: checked_number(f"locked[{name!r}]", x) for name, x in given.items()}, others
 

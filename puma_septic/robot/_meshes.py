@@ -16,7 +16,9 @@ import numpy as np
 import pinocchio as pin
 
 from puma_septic.errors import ModelError
+from puma_septic.files import checked_path
 from puma_septic.robot._urdf_checks import Urdf
+from puma_septic.validation import checked_list
 
 __all__ = [
     "Geometry",
@@ -65,7 +67,8 @@ def _own_folders(urdf: Path, package_dirs: Sequence[str | Path]) -> _Folders:
     home = urdf.resolve().parent
     package = [folder for folder in (home, *home.parents) if (folder / _MANIFEST).is_file()][:1]
     beside = [home.parent] if home.name.lower() in _URDF_FOLDERS else []
-    given = tuple(Path(normpath(Path(folder).absolute())) for folder in package_dirs)
+    folders = [checked_path(one, "package folder") for one in checked_list("package_dirs", package_dirs)]
+    given = tuple(Path(normpath(folder.absolute())) for folder in folders)
     return _Folders(home=home, given=given, own=tuple(dict.fromkeys([home, *package, *beside])))
 
 

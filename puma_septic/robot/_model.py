@@ -20,7 +20,17 @@ from puma_septic.robot._actuator import Actuator
 from puma_septic.robot._components import Limits, Payload, Wrench
 from puma_septic.robot._meshes import Geometry, is_drawn
 from puma_septic.robot._mimic import Mimic
-from puma_septic.validation import Array, FrozenMap, checked_array, checked_choice, frozen, n_dimensions, read_only
+from puma_septic.validation import (
+    Array,
+    FrozenMap,
+    checked_array,
+    checked_choice,
+    checked_kind,
+    checked_list,
+    frozen,
+    n_dimensions,
+    read_only,
+)
 from puma_septic.views import robot as view
 
 __all__ = ["Robot"]
@@ -137,13 +147,13 @@ class Robot:
 
     def _check_consistent(self) -> None:
         """Refuse what would fail later, or not at all: Pinocchio answers an unknown name with an index past the end."""
-        _instance("limits", self.limits, Limits)
+        checked_kind("limits", self.limits, Limits)
         if self.payload is not None:
-            _instance("payload", self.payload, Payload)
+            checked_kind("payload", self.payload, Payload)
         if self.wrench is not None:
-            _instance("wrench", self.wrench, Wrench)
+            checked_kind("wrench", self.wrench, Wrench)
         for train in self.drivetrains:
-            _instance("drivetrains", train, Drivetrain)
+            checked_kind("drivetrains", train, Drivetrain)
         checked_choice("tool frame", self.tool, [frame.name for frame in self.bare_model.frames])
         for name in self.joint_names:
             checked_choice("joint", name, list(self.bare_model.names)[1:])
@@ -259,7 +269,8 @@ class Robot:
         -------
         Robot
         """
-        return self.with_drivetrains(_instance("actuators", one, Actuator).drivetrain for one in actuators)
+        given = [checked_kind("actuators", one, Actuator) for one in checked_list("actuators", actuators)]
+        return self.with_drivetrains(one.drivetrain for one in given)
 
     def with_drivetrains(self, drivetrains: Iterable[Drivetrain]) -> Robot:
         """The same arm with other drivetrains, one per joint.
@@ -270,7 +281,7 @@ class Robot:
         -------
         Robot
         """
-        return replace(self, drivetrains=tuple(drivetrains))
+        return replace(self, drivetrains=checked_list("drivetrains", drivetrains))
 
     def with_limits(
         self, limits: Limits | None = None, *, position: ArrayLike | None = None, **magnitudes: ArrayLike | None
@@ -294,7 +305,7 @@ class Robot:
         InputError
             For an unknown limit, or values that no limit can have.
         """
-        new = self.limits if limits is None else _instance("limits", limits, Limits)
+        new = self.limits if limits is None else checked_kind("limits", limits, Limits)
         changes: dict[str, Any] = {}
         for name, value in magnitudes.items():
             checked_choice("limit", name, QUANTITIES)
@@ -392,13 +403,6 @@ def _joint_side(drivetrains: tuple[Drivetrain, ...]) -> dict[str, Any]:
         "viscous_friction": read_only(np.nan_to_num([law.viscous for law in friction])),
         "coulomb_friction": read_only(np.nan_to_num([law.coulomb for law in friction])),
     }
-
-
-def _instance(name: str, value: _Value, kind: type[_Value]) -> _Value:
-    """The value, if it is one of ours: a list in its place would be found out much later, if at all."""
-    if not isinstance(value, kind):
-        raise InputError(f"{name}: expected {kind.__name__}(...), got {value!r}")
-    return value
 
 
 def _frame_id(model: pin.Model, name: str) -> int:

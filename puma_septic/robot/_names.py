@@ -11,6 +11,7 @@ from typing import Final
 import pinocchio as pin
 
 from puma_septic.errors import InputError, did_you_mean
+from puma_septic.files import checked_path
 
 __all__ = ["is_robot_path", "named_robots", "own_file", "robot_file"]
 
@@ -48,7 +49,7 @@ def robot_file(source: str | Path) -> Path:
     """
     if isinstance(source, str) and source.lstrip().startswith("<"):
         raise InputError("source: this is XML text; write it to a .urdf file and pass its path")
-    path = Path(source)
+    path = checked_path(source, "URDF")
     if isinstance(source, Path) or is_robot_path(source):
         return path
     if source in (names := named_robots()):

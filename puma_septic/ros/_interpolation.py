@@ -18,7 +18,7 @@ from puma_septic.robot import Robot
 from puma_septic.ros._faults import Fault
 from puma_septic.ros._message import JointState, JointTrajectoryMessage
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array
+from puma_septic.validation import Array, checked_kind
 
 __all__ = ["in_robot_order", "interpolated", "spline_powers", "unwrapped_start"]
 
@@ -36,7 +36,7 @@ def in_robot_order(
     missing, or one that the robot does not have, is a fault.
     """
     notes = []
-    fixed = robot.fixed_joint_names
+    fixed = checked_kind("robot", robot, Robot).fixed_joint_names
     for k, name in enumerate(message.joint_names):
         if name in fixed:
             column = message.positions[:, k]

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from puma_septic.errors import InputError
-from puma_septic.files import decoded, read_bytes
+from puma_septic.files import checked_path, decoded, read_bytes
 from puma_septic.robot import Robot
 from puma_septic.ros._faults import Fault, JointTrajectoryError
 from puma_septic.ros._interpolation import in_robot_order, interpolated
@@ -126,7 +126,7 @@ def read_joint_trajectory(
     planned = read_joint_trajectories(path, robot, start=start)
     if index is None and len(planned) > 1:
         raise InputError(f"{path}: {len(planned)} trajectories in it; index=0 to {len(planned) - 1} takes one of them")
-    if index is not None and not 0 <= index < len(planned):
+    if index is not None and (not isinstance(index, int) or not 0 <= index < len(planned)):
         raise InputError(f"index = {index}: {path} has {len(planned)} trajectories, counted from 0")
     return planned[index or 0].trajectory
 
@@ -153,7 +153,7 @@ def read_joint_trajectories(
     """
     given = None if start is None else _as_state(start, robot)
     faults: list[Fault] = []
-    source = Path(path)
+    source = checked_path(path, "trajectory file")
     try:
         documents, digest = _documents(source, topic)
     except InputError as error:
@@ -189,7 +189,7 @@ def read_joint_state(path: str | PathLike[str]) -> JointState:
     InputError
         For what cannot be read, or is no single JointState.
     """
-    source = Path(path)
+    source = checked_path(path, "trajectory file")
     text = decoded(read_bytes(source, what="joint state file", at_most=MAX_YAML), source)
     documents = documents_of(text, str(source))
     if len(documents) != 1:

@@ -24,7 +24,7 @@ from puma_septic.validation import (
     checked_number,
     frozen,
     n_dimensions,
-    store_numbers,
+    store_needed,
 )
 
 __all__ = [
@@ -156,8 +156,8 @@ class Controller:
 
     def __post_init__(self) -> None:
         checked_choice("controller", self.law, LAWS)
-        store_numbers(self, {"damping_ratio": ""}, above=0.0)
-        store_numbers(self, {"delay": "s"}, at_least=0.0)
+        store_needed(self, {"damping_ratio": ""}, above=0.0)
+        store_needed(self, {"delay": "s"}, at_least=0.0)
         for name, unit in (("rate", "Hz"), ("velocity_filter", "Hz")):
             value = getattr(self, name)
             if value is not None and not (isinstance(value, float) and isinf(value) and value > 0):

@@ -16,7 +16,15 @@ from puma_septic.kinematics import forward_kinematics
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.robot import Robot
 from puma_septic.simulation._stop_categories import brake, path_of, slow_down, stopping_trajectory
-from puma_septic.validation import Array, checked_array, checked_choice, checked_number, n_dimensions, read_only
+from puma_septic.validation import (
+    Array,
+    checked_array,
+    checked_choice,
+    checked_kind,
+    checked_number,
+    n_dimensions,
+    read_only,
+)
 
 __all__ = [
     "CATEGORIES",
@@ -196,7 +204,8 @@ def stop(
     >>> 0.03 < controlled.duration < 0.05, bool(braked.distance[0] > 0.01)
     (True, True)
     """
-    if category not in CATEGORIES or isinstance(category, bool):
+    checked_kind("motion", motion, Motion)
+    if not isinstance(category, int) or category not in CATEGORIES or isinstance(category, bool):
         known = "; ".join(f"{number}: {meaning}" for number, meaning in CATEGORIES.items())
         raise InputError(f"category = {category!r}: unknown; {known}")
     first, last = motion.trajectory.breaks[[0, -1]]

@@ -16,9 +16,9 @@ from scipy.stats import qmc
 
 from puma_septic._version import __version__
 from puma_septic.errors import InputError, did_you_mean
-from puma_septic.files import decoded, read_bytes, sha256_of, yaml_documents
+from puma_septic.files import checked_path, decoded, read_bytes, sha256_of, yaml_documents
 from puma_septic.task import Task, load_task, make_task
-from puma_septic.validation import Array, checked_choice
+from puma_septic.validation import Array, checked_choice, checked_kind
 
 __all__ = ["COLUMNS", "SCALED", "Study", "load_study", "make_study"]
 
@@ -180,8 +180,8 @@ def make_study(data: Mapping[str, Any], *, origin: str = "study", folder: str | 
     >>> study.n_cases, [axis.name for axis in study.axes]
     (6, ['duration', 'payload'])
     """
-    _known_keys(data, _KEYS, origin)
-    task = _task(data.get("task"), origin, Path(folder))
+    _known_keys(checked_kind(origin, data, Mapping), _KEYS, origin)
+    task = _task(data.get("task"), origin, checked_path(folder, "folder"))
     sampling, seed, count = _sampling(data.get("sampling", "grid"), origin)
     given = _listed(data.get("cases"), origin) if sampling == "list" else data.get("axes")
     if not isinstance(given, Mapping) or not given:

@@ -10,7 +10,7 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import NDArray
 
-from puma_septic.errors import NoSolution
+from puma_septic.errors import InputError, NoSolution
 from puma_septic.kinematics import IkSolutions, LowestPoints, inverse_kinematics, lowest_points
 from puma_septic.robot import Robot
 from puma_septic.validation import Array, checked_choice, read_only
@@ -31,6 +31,7 @@ _SLACK: Final = 1e-9
 _EXCESS_WEIGHT: Final = 1e6
 # Among ways of the same length the one with the fewest added turns.
 _TURN_WEIGHT: Final = 1e-9
+_MOST_TURNS: Final = 1000  # of a cable drum; each is a candidate
 _TURN: Final = 2 * np.pi
 # Starts of the damped least squares at poses after the first, of which the first start is the point before.
 _STARTS_NEAR: Final = 4
@@ -221,4 +222,9 @@ def _furthest(robot: Robot, q: Array, nearest: Array) -> int:
     way = q + _TURN * nearest
     gaps = np.where(robot.is_prismatic, 0.0, np.abs(np.diff(way, axis=0)))
     beyond = np.where(robot.is_prismatic, 0.0, _excess(robot, way))
-    return 1 + int(np.ceil(max(gaps.max(initial=0.0), beyond.max()) / _TURN))
+    count = max(gaps.max(initial=0.0), beyond.max()) / _TURN
+    if not count <= _MOST_TURNS:
+        raise InputError(
+            f"points: a joint would turn {count:.3g} times from one to the next; at most {_MOST_TURNS} times"
+        )
+    return 1 + int(np.ceil(count))

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from puma_septic.errors import InputError, did_you_mean
-from puma_septic.files import YamlPlaces, decoded, read_bytes, yaml_documents, yaml_places, yaml_text
+from puma_septic.files import YamlPlaces, checked_path, decoded, read_bytes, yaml_documents, yaml_places, yaml_text
 from puma_septic.task._fields import MARKS, OWN_WORDS, shortened
 from puma_septic.task._schema import Task
 
@@ -58,7 +58,7 @@ def load_task(source: str | Path) -> Task:
     >>> task.times, [profile.name for profile in task.profiles]
     ((0.0, 2.0, 6.0, 9.0), ['septic', 'lspb', 'quintic_segments'])
     """
-    path = Path(source)
+    path = checked_path(source, "task file")
     if isinstance(source, str) and path.name == source and path.suffix not in (".yaml", ".yml"):
         names = task_names()
         if source not in names:

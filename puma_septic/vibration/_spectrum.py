@@ -13,7 +13,7 @@ from scipy.special import jve
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, checked_number, n_dimensions
+from puma_septic.validation import Array, checked_array, checked_kind, checked_number, n_dimensions
 
 __all__ = [
     "Complex",
@@ -102,7 +102,7 @@ def forced_response(trajectory: Trajectory, rates: Complex) -> Complex:
     -------
     ndarray of complex, shape (k, n_joints)
     """
-    total = _of_series(trajectory.derivative(2), rates)
+    total = _of_series(checked_kind("trajectory", trajectory, Trajectory).derivative(2), rates)
     impulses = trajectory.jumps(1)
     if len(impulses.times):
         since = trajectory.breaks[-1] - impulses.times

@@ -18,6 +18,7 @@ from puma_septic.document import one_line
 from puma_septic.errors import InputError
 from puma_septic.motion import Motion
 from puma_septic.outputs import write_file
+from puma_septic.validation import checked_kind, checked_list, checked_texts
 from puma_septic.viewer._page import page_html
 from puma_septic.viewer._scene import shown
 from puma_septic.viewer._server import PageServer, serve_page
@@ -175,7 +176,7 @@ def replay_html(
     >>> html[:15], "://" in html, len(html) < 1_000_000
     ('<!DOCTYPE html>', False, True)
     """
-    group = [what] if isinstance(what, Motion | Assessment) else list(what)
+    group = [what] if isinstance(what, Motion | Assessment) else list(checked_list("replay", what))
     if not group:
         raise InputError("replay: there is no motion to show")
     for one in group:
@@ -184,7 +185,8 @@ def replay_html(
     assessments = [one if isinstance(one, Assessment) else assess(one) for one in group]
     names = _labels([one.motion.trajectory.profile for one in assessments], labels)
     robots = dict.fromkeys(one.motion.robot.name for one in assessments)
-    heading = ", ".join(robots) if title is None else title
+    heading = ", ".join(robots) if title is None else checked_kind("title", title, str)
+    point_names = checked_texts("point_names", point_names)
     motions = [shown(one, name) for one, name in zip(assessments, names, strict=True)]
     return page_html(motions, heading, point_names=point_names, has_panel=has_panel)
 
@@ -219,7 +221,7 @@ def write_replay(
 def _labels(profiles: Sequence[str], given: Sequence[str] | None) -> list[str]:
     """The given labels, or the profiles' names, numbered where one comes twice."""
     if given is not None:
-        if isinstance(given, str) or len(given) != len(profiles):
+        if isinstance(given, str) or len(checked_list("labels", given)) != len(profiles):
             count = "a single text" if isinstance(given, str) else str(len(given))
             raise InputError(f"labels: {count} for {len(profiles)} motions; give one for each")
         return [str(label) for label in given]

@@ -14,7 +14,7 @@ from puma_septic.document import SCHEMAS, card, one_line, plain
 from puma_septic.dynamics import check_inertia, check_plain_friction, check_uncoupled
 from puma_septic.errors import InputError
 from puma_septic.robot import Payload, Robot
-from puma_septic.validation import Array, checked_array, checked_number, n_dimensions, read_only
+from puma_septic.validation import Array, checked_array, checked_kind, checked_number, n_dimensions, read_only
 from puma_septic.views import accelerations as view
 from puma_septic.worst_case._demand import Demand
 from puma_septic.worst_case._polynomials import fitted
@@ -249,6 +249,7 @@ def acceleration_limits(
     ('joint3', True, True)
     """
     checked_number("gap", gap, above=0.0, at_most=1.0)
+    checked_kind("robot", robot, Robot)
     carrying = robot if payload is None else robot.with_payload(payload)
     check_inertia(carrying)
     check_uncoupled(carrying, "the certified bound of accelerations")

@@ -12,7 +12,7 @@ import numpy as np
 from puma_septic.document import card, one_line
 from puma_septic.dynamics import check_inertia, check_uncoupled, rigid_torque
 from puma_septic.robot import Payload, Robot
-from puma_septic.validation import Array, checked_number, read_only
+from puma_septic.validation import Array, checked_kind, checked_number, read_only
 from puma_septic.worst_case._polynomials import fitted
 from puma_septic.worst_case._region import Region, acting_joints, certified_minimum, checked_region, random_poses
 
@@ -104,6 +104,7 @@ def worst_holding_torque(
     [0.0, 46.02, 8.78, 0.03, 0.03, 0.0]
     """
     checked_number("gap", gap, above=0.0)
+    checked_kind("robot", robot, Robot)
     carrying = robot if payload is None else robot.with_payload(payload)
     check_inertia(carrying)
     check_uncoupled(carrying, "the certified holding torque")

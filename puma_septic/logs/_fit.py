@@ -126,7 +126,8 @@ def fit_trajectory(
       get a knot for every few of them, and the spline nearest to them in the least-squares sense.
     - With `smoothing`, for noisy samples: "auto" is the penalised quintic spline of greatest restricted likelihood; a
       number the least-squares spline on as few intervals as hold the RMS residual of every joint to that value,
-      constant where the samples show no motion.
+      constant where the samples show no motion. What noise hides of a motion's first and last moments is rest there:
+      RMS torques are 1 to 3 % low by it beside rests; those of "auto" are not.
     - With velocities, as planners give them: the spline of the positions alone where it has these velocities, which
       shows where the acceleration steps; else a quintic per step through q and v whose accelerations make the jerk
       continuous too, zero at both ends. With accelerations also: a quintic per step through all three.

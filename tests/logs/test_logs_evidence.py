@@ -114,10 +114,16 @@ def test_a_joint_at_rest_inside_a_noisy_log_takes_no_friction(puma: ps.Robot) ->
 def test_smoothing_by_a_number_rests_where_the_samples_do(
     puma: ps.Robot, noise: float, rate: float, part: float
 ) -> None:
-    """Its spline swung on into the rest for several of its intervals: RMS 1 to 17 % too high, by Coulomb friction."""
-    fitted = ps.fit_trajectory(*recorded(MOVE, rate, noise=noise, rest=5.0), smoothing=part * noise)
+    """Its spline swung on into the rest for several of its intervals: RMS 1 to 17 % too high, by Coulomb friction.
+
+    Now it is up to 2.7 % low: the spline is constant until the samples show a motion, 70 ms after it began at 1e-4 rad.
+    A rest that ends where the motion is extrapolated to begin let it swing again, by up to 11 %. The band
+    holds it where the number is about the noise.
+    """
+    fit = fit_samples(*recorded(MOVE, rate, noise=noise, rest=5.0), smoothing=part * noise)
     peak, rms = true_torque(puma, MOVE, 5.0)
-    found = ps.assess(puma, fitted)
+    found, band = ps.assess(puma, fit.trajectory), torque_band(ps.compute_motion(puma, fit.trajectory), fit)
+    assert part > 1.2 or ((band.rms[0] <= rms) & (rms <= band.rms[1])).all()
     assert found.rms_torque == pytest.approx(rms, rel=0.03)
     assert found.peak_torque == pytest.approx(peak, rel=0.01)
 

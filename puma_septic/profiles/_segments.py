@@ -75,13 +75,12 @@ def solve_segments(
 ) -> Piecewise:
     """The piecewise polynomial of these degrees that meets all conditions.
 
-    At each interior break all derivatives up to order `continuity` are continuous. With the conditions this
-    must give as many equations as there are coefficients, ``sum(degrees) + len(degrees)``; the first
-    condition is a position. The unknowns are Chebyshev coefficients of each segment's own normalised time and
-    every equation is scaled to size one, so that neither the unit of time nor uneven segments spoil the
-    digits. Positions are taken relative to the first one: the coefficients of a joint that does not move come
-    out exactly zero. In the order of their times the equations form a band, so that time and memory grow with
-    the number of segments.
+    At each interior break all derivatives up to order `continuity` are continuous. With the conditions this must give
+    as many equations as there are coefficients, ``sum(degrees) + len(degrees)``; the first condition is that of the
+    points. The unknowns are Chebyshev coefficients of each segment's own normalised time and every equation is scaled
+    to size one, so that neither the unit of time nor uneven segments spoil the digits. Positions are taken relative to
+    the first one: the coefficients of a joint that does not move come out exactly zero. In the order of their times the
+    equations form a band, so that time and memory grow with the number of segments.
 
     Parameters
     ----------
@@ -102,7 +101,7 @@ def solve_segments(
     """
     lengths, degree = np.diff(breaks), max(degrees)
     if not (lengths > 0).all():  # knots that are averages of times may round to the same
-        raise ill_conditioned(degree, breaks, np.inf)
+        raise ill_conditioned(degree, conditions[0].times, np.inf)
     origin = conditions[0].values[0]
     groups = [_condition_rows(breaks, degree, conditions), _continuity_rows(breaks, degree, continuity)]
     if min(degrees) < degree:
@@ -116,7 +115,7 @@ def solve_segments(
     equations, right = _Equations(first[order], (factors / scale)[order]), (values / scale)[order]
     solution, doubt = refined(_factorised(equations), equations.times, right.astype(np.float64))
     if not doubt <= ALLOWED_DOUBT:
-        raise ill_conditioned(degree, breaks, doubt)
+        raise ill_conditioned(degree, conditions[0].times, doubt)
     series = solution.reshape(len(lengths), degree + 1, len(origin)).transpose(1, 0, 2)
     series[0] += origin
     return Piecewise(breaks=breaks, coefficients=series)

@@ -256,6 +256,14 @@ def test_rounding_of_a_wide_swing_is_no_miss(rng: np.random.Generator) -> None:
             assert not getattr(profiles, name)(points, times).via_miss.any()
 
 
+@pytest.mark.parametrize("name", ["bspline", "cubic_spline_free_knots", "septic_spline"])
+def test_the_points_that_are_too_close_are_named_not_the_knots(name: str) -> None:
+    """Knots that are averages of times are even: "segments of 0.4 s to 0.4 s, a ratio of 1" was said of a B-spline."""
+    message = r"segments of 1e-09 s \(segment 2, 1 s after the start\) to 1 s, a ratio of 1e\+09"
+    with pytest.raises(InputError, match=message):
+        getattr(profiles, name)([[0.0], [0.5], [1.0], [0.2]], [0, 1, 1 + 1e-9, 2])
+
+
 def test_bezier_stays_within_its_hull_to_rounding(rng: np.random.Generator) -> None:
     """With 24 points it "overshot" by 6e-13 rad, rounding of a jerk that is 27^3 times as large."""
     for _ in range(60):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,7 @@ __all__ = [
     "add_dwell",
     "add_force",
     "add_format",
+    "add_margin",
     "add_out",
     "add_payload",
     "add_profile",
@@ -28,10 +30,12 @@ __all__ = [
     "check_out",
     "count",
     "finite",
+    "in_reserve",
     "not_negative",
     "origin",
     "positive",
     "share",
+    "with_margin",
     "with_report",
 ]
 
@@ -333,6 +337,7 @@ def _names(text: str) -> tuple[str, ...]:
 
 
 if TYPE_CHECKING:
+    from puma_septic.robot import Robot
     from puma_septic.task import Task
 
 
@@ -386,6 +391,37 @@ def add_dwell(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--dwell", type=not_negative, metavar="S", help="rest after each motion, included in RMS values"
     )
+
+
+def add_margin(parser: ArgumentParser) -> None:
+    """``--margin``: what must be left of every limit but that of the position."""
+    parser.add_argument(
+        "--margin",
+        type=share,
+        default=0.0,
+        metavar="SHARE",
+        help="what must be left of each velocity, acceleration, jerk and effort limit, 0 to 1",
+    )
+
+
+def in_reserve(arguments: Namespace) -> str:
+    """What ``--margin`` keeps, behind the head of an answer that is found within the rest."""
+    return f"; {100 * arguments.margin:g} % of every limit kept in reserve" if arguments.margin else ""
+
+
+def with_margin(robot: Robot, arguments: Namespace) -> Robot:
+    """The robot with what ``--margin`` leaves of its limits, for answers that are found within them."""
+    from puma_septic.errors import InputError
+    from puma_septic.quantities import MAGNITUDES
+
+    if not arguments.margin:
+        return robot
+    if arguments.margin == 1.0:
+        raise InputError("--margin 1 leaves nothing of the limits; a fifth in reserve is 0.2")
+    limits = robot.limits
+    source = f"{limits.source}{in_reserve(arguments)}"
+    left = {name: (1.0 - arguments.margin) * getattr(limits, name) for name in MAGNITUDES}
+    return robot.with_limits(replace(limits, source=source, **left))
 
 
 def add_profile(parser: ArgumentParser, meaning: str) -> None:

@@ -7,6 +7,7 @@ from argparse import ArgumentParser, Namespace
 from puma_septic.cli._arguments import (
     add_dwell,
     add_format,
+    add_margin,
     add_out,
     add_payload,
     add_profile,
@@ -14,7 +15,6 @@ from puma_septic.cli._arguments import (
     add_task,
     add_verbose,
     add_write,
-    share,
 )
 from puma_septic.cli._parser import Answer
 
@@ -40,13 +40,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_profile(parser, "only this profile, with the task's options if it has some (repeatable)")
     add_payload(parser)
     add_dwell(parser)
-    parser.add_argument(
-        "--margin",
-        type=share,
-        default=0.0,
-        metavar="SHARE",
-        help="required safety margin on each velocity, acceleration, jerk and effort limit, 0 to 1",
-    )
+    add_margin(parser)
     add_verbose(parser)
     add_format(parser, "text", "json", "csv")
     add_out(parser, "report.html, JSON, CSV and figures")

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from puma_septic.cli._arguments import (
     add_dwell,
     add_format,
+    add_margin,
     add_out,
     add_payload,
     add_profile,
@@ -17,7 +19,9 @@ from puma_septic.cli._arguments import (
     add_verbose,
     asked_task,
     asked_units,
+    in_reserve,
     origin,
+    with_margin,
     with_report,
 )
 from puma_septic.cli._parser import UNDECIDED, Answer
@@ -55,6 +59,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_profile(parser, "only this profile (repeatable)")
     add_payload(parser)
     add_dwell(parser)
+    add_margin(parser)
     parser.add_argument(
         "--objective",
         action="append",
@@ -82,10 +87,12 @@ def run(arguments: Namespace) -> Answer:
         from puma_septic.cli._recorded import recorded, told
 
         what = recorded(arguments)
-        comparison, title, head = _beside(what.motion.trajectory, what.robot, arguments), what.path, told(what)
+        robot, title, head = with_margin(what.robot, arguments), what.path, told(what)
+        comparison = _beside(what.motion.trajectory, robot, arguments)
         names: Sequence[str] = ()
     else:
         resolved = resolve_task(asked_task(arguments, "paper"))
+        resolved = replace(resolved, robot=with_margin(resolved.robot, arguments))
         comparison, title, names = _compared(resolved, arguments), resolved.task.name, resolved.names
         head = f"Task {resolved.task.name!r}, robot {resolved.robot.name!r}, {resolved.times[-1]:g} s"
     code = UNDECIDED if any(row["undecided"] for row in comparison.to_dict()["profiles"]) else 0
@@ -98,6 +105,7 @@ def run(arguments: Namespace) -> Answer:
     from puma_septic.views.comparison import short_text, text
 
     shown = text if arguments.verbose else short_text
+    head = f"{head}{in_reserve(arguments)}"
     return Answer(with_report(f"{head}\n\n{shown(comparison.to_dict())}", arguments), code)
 
 

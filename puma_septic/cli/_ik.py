@@ -46,6 +46,13 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="any rotation of the tool will do: for arms with fewer than six axes",
     )
     parser.add_argument("--frame", help="frame that it is given in, fixed to the world (default: world)")
+    parser.add_argument(
+        "--sort",
+        choices=("branch", "manipulability", "height"),
+        default="branch",
+        help="order of each pose's branches: by name, the most manipulable or the highest lowest point first (default:"
+        " branch)",
+    )
     add_verbose(parser, "of several poses: the joint positions of each branch")
     add_format(parser, "text", "json", "csv")
 

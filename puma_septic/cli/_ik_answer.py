@@ -14,13 +14,16 @@ from puma_septic.cli._parser import Answer
 from puma_septic.cli._task_text import WIDTH, wrapped
 from puma_septic.document import SCHEMAS, records_csv
 from puma_septic.errors import InputError
-from puma_septic.kinematics import IkSolutions, is_puma, lowest_points, rtb_names
+from puma_septic.kinematics import IkSolutions, is_puma, lowest_points, manipulability, rtb_names
 from puma_septic.report import to_json
 from puma_septic.robot import Robot
 from puma_septic.task import Posed, Task, make_task, solve_points
 from puma_septic.views.tables import Cell, text_table
 
 __all__ = ["answer"]
+
+# Decimals to which branches are alike: mirrored ones are, but for rounding.
+_SAME = 9
 
 
 def answer(arguments: Namespace) -> Answer:
@@ -32,13 +35,12 @@ def answer(arguments: Namespace) -> Answer:
     if not posed:
         raise InputError(f"{task.origin}: no point is a pose; there is nothing to solve")
     if arguments.format == "json":
-        text = to_json(_document(task, robot, posed))
+        text = to_json(_document(task, robot, posed, arguments.sort))
     elif arguments.format == "csv":
-        text = records_csv(_records(_document(task, robot, posed)))
+        text = records_csv(_records(_document(task, robot, posed, arguments.sort)))
     else:
-        text = (
-            _short_text(task, robot, posed) if len(posed) > 1 and not arguments.verbose else _text(task, robot, posed)
-        )
+        is_short = len(posed) > 1 and not arguments.verbose
+        text = _short_text(task, robot, posed) if is_short else _text(task, robot, posed, arguments.sort)
     reachable = all(point.solutions.within_limits.any() for _, point in posed)
     return Answer(text, 0 if reachable else 1)
 
@@ -75,9 +77,9 @@ def _turned(arguments: Namespace) -> dict[str, list[float]]:
     return {"axis": arguments.axis} if arguments.axis else {"rpy_deg": arguments.rpy_deg or [0.0] * 3}
 
 
-def _text(task: Task, robot: Robot, posed: list[tuple[str, Posed]]) -> str:
+def _text(task: Task, robot: Robot, posed: list[tuple[str, Posed]], by: str) -> str:
     head = f"Robot: {robot.name}, tool {robot.tool!r}, poses in {task.frame!r}"
-    return "\n\n".join([wrapped(head), *(f"{label}\n\n{_table(robot, point.solutions)}" for label, point in posed)])
+    return "\n\n".join([wrapped(head), *(f"{label}\n\n{_table(robot, point.solutions, by)}" for label, point in posed)])
 
 
 def _short_text(task: Task, robot: Robot, posed: list[tuple[str, Posed]]) -> str:
@@ -119,10 +121,24 @@ def _records(document: dict[str, Any]) -> list[dict[str, Any]]:
     ]
 
 
-def _table(robot: Robot, solutions: IkSolutions) -> str:
+def _order(robot: Robot, solutions: IkSolutions, by: str) -> list[int]:
+    """The branches in the asked order."""
+    if by == "branch":
+        return list(range(len(solutions.q)))
+    key = manipulability(robot, solutions.q) if by == "manipulability" else lowest_points(robot, solutions.q).height
+    return [int(k) for k in np.argsort(-key.round(_SAME), kind="stable")]
+
+
+def _table(robot: Robot, solutions: IkSolutions, by: str) -> str:
+    ease = manipulability(robot, solutions.q)
     rows: list[list[Cell]] = [
-        [name, *(f"{angle:z.4f}" for angle in solutions.q[k]), _beyond(robot, solutions, k)]
-        for k, name in enumerate(solutions.configurations)
+        [
+            solutions.configurations[k],
+            *(f"{angle:z.4f}" for angle in solutions.q[k]),
+            f"{ease[k]:z.3g}" if round(ease[k], _SAME) else "0",
+            _beyond(robot, solutions, k),
+        ]
+        for k in _order(robot, solutions, by)
     ]
     singular = [
         f"{name} is singular ({', '.join(kinds)})"
@@ -131,8 +147,8 @@ def _table(robot: Robot, solutions: IkSolutions) -> str:
     ]
     extent = f"{solutions.extent[0].upper()}{solutions.extent[1:]}"
     remark = f"{extent}." if solutions.is_complete else f"{extent}; there may be others."
-    table = text_table(["branch", *_headed(robot), "beyond limits"], rows)
-    return "\n".join([table, *singular, remark, _lowest(robot, solutions)])
+    table = text_table(["branch", *_headed(robot), "manipulability", "beyond limits"], rows)
+    return "\n".join([table, "", *singular, remark, _lowest(robot, solutions)])
 
 
 def _headed(robot: Robot) -> list[str]:
@@ -173,7 +189,7 @@ def _rtb(robot: Robot, configuration: str) -> dict[str, str]:
     return {"rtb_python": python, "rtb_matlab": matlab}
 
 
-def _document(task: Task, robot: Robot, posed: list[tuple[str, Posed]]) -> dict[str, Any]:
+def _document(task: Task, robot: Robot, posed: list[tuple[str, Posed]], by: str) -> dict[str, Any]:
     return {
         "schema": SCHEMAS["ik"],
         "version": __version__,
@@ -196,13 +212,16 @@ def _document(task: Task, robot: Robot, posed: list[tuple[str, Posed]]) -> dict[
                         "within_limits": bool(solutions.within_limits[k]),
                         "singular": list(solutions.singular[k]),
                         "residual": float(solutions.residual[k]),
+                        "manipulability": float(ease[k]),
                         "lowest": {"height": float(lowest.height[k]), "part": lowest.parts[k]},
                     }
-                    for k, name in enumerate(solutions.configurations)
+                    for k in _order(robot, solutions, by)
+                    for name in [solutions.configurations[k]]
                 ],
             }
             for label, point in posed
             for solutions in [point.solutions]
+            for ease in [manipulability(robot, point.solutions.q)]
             for lowest in [lowest_points(robot, point.solutions.q)]
         ],
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 
-from puma_septic.cli._arguments import add_format, add_out, add_payload, add_profile, add_task, finite
+from puma_septic.cli._arguments import add_format, add_margin, add_out, add_payload, add_profile, add_task, finite
 from puma_septic.cli._parser import Answer
 
 __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]
@@ -29,6 +29,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_task(parser)
     add_profile(parser, "only this profile, with the task's options if it has some (repeatable)")
     add_payload(parser)
+    add_margin(parser)
     parser.add_argument(
         "--com",
         type=_place,

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from argparse import Namespace
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from puma_septic._version import __version__
-from puma_septic.assessment import assess
-from puma_septic.cli._arguments import asked_task, asked_units, origin, with_report
+from puma_septic.assessment import Assessment, assess
+from puma_septic.cli._arguments import asked_task, asked_units, in_reserve, origin, with_margin, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.document import SCHEMAS, to_json
 from puma_septic.errors import InputError, NoSolution
@@ -25,6 +26,7 @@ __all__ = ["answer"]
 def answer(arguments: Namespace) -> Answer:
     """Limits of each profile of the asked task."""
     resolved = resolve_task(asked_task(arguments, "paper-turned", profiles=arguments.profile))
+    resolved = replace(resolved, robot=with_margin(resolved.robot, arguments))
     motions = [compute_motion(resolved.robot, trajectory) for trajectory in resolved.trajectories]
     floor, tool_limits = resolved.task.floor, resolved.tool_limits
     assessments = [assess(motion, floor=floor, tool_limits=tool_limits) for motion in motions]
@@ -33,7 +35,7 @@ def answer(arguments: Namespace) -> Answer:
     document: dict[str, Any] = {
         "schema": SCHEMAS["limits"],
         "version": __version__,
-        "task": resolved.task.name,
+        "task": f"{resolved.task.name}{in_reserve(arguments)}",
         "origin": resolved.task.origin,
         "robot": resolved.robot.name,
         "joint_names": list(resolved.robot.joint_names),
@@ -45,7 +47,7 @@ def answer(arguments: Namespace) -> Answer:
     texts = {"text": view.text, "json": to_json, "csv": view.csv}
     text = texts[arguments.format](document)
     if arguments.out is not None:
-        _write_folder(arguments, found, document, resolved)
+        _write_folder(arguments, found, assessments, document, resolved)
     text = with_report(text, arguments)
     if any(one.undecided for one in assessments):
         return Answer(text, UNDECIDED)
@@ -53,7 +55,11 @@ def answer(arguments: Namespace) -> Answer:
 
 
 def _write_folder(
-    arguments: Namespace, found: Sequence[MotionLimits], document: dict[str, Any], resolved: ResolvedTask
+    arguments: Namespace,
+    found: Sequence[MotionLimits],
+    assessments: Sequence[Assessment],
+    document: dict[str, Any],
+    resolved: ResolvedTask,
 ) -> None:
     """Report, document, table and figure."""
     # Templates, the replay and matplotlib take longer to load than everything else takes to compute.
@@ -65,7 +71,7 @@ def _write_folder(
     with new_folder(arguments.out, overwrite=arguments.force) as folder:
         (folder / "limits.json").write_text(to_json(document), encoding="utf-8")
         (folder / "limits.csv").write_text(view.csv(document), encoding="utf-8")
-        page = limits_html(found, labels, document, resolved, made=origin(arguments), units=asked_units(arguments))
+        page = limits_html(found, assessments, document, resolved, made=origin(arguments), units=asked_units(arguments))
         (folder / "report.html").write_text(page, encoding="utf-8")
         pictures = [payload_picture(found, labels)]
         write_svg(folder, pictures)

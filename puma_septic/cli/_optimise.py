@@ -6,11 +6,13 @@ import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from puma_septic.cli._arguments import (
     add_dwell,
     add_format,
+    add_margin,
     add_out,
     add_payload,
     add_profile,
@@ -18,7 +20,9 @@ from puma_septic.cli._arguments import (
     asked_task,
     asked_units,
     count,
+    in_reserve,
     origin,
+    with_margin,
     with_report,
 )
 from puma_septic.cli._parser import Answer
@@ -54,6 +58,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_profile(parser, "use this profile instead of the task's first")
     add_payload(parser)
     add_dwell(parser)
+    add_margin(parser)
     parser.add_argument(
         "--objective",
         action="append",
@@ -110,6 +115,7 @@ def run(arguments: Namespace) -> Answer:
     _check_write(arguments)
     task = asked_task(arguments, "paper", profiles=arguments.profile)
     resolved = resolve_task(task)
+    resolved = replace(resolved, robot=with_margin(resolved.robot, arguments))
     with _progress() as progress:
         result = _optimised(resolved, arguments, progress)
     document = to_json(result.to_dict())
@@ -119,7 +125,7 @@ def run(arguments: Namespace) -> Answer:
         _write_optimum(arguments, resolved, result)
     if arguments.format == "csv":
         return Answer(records_csv(_records(result.to_dict())), 0 if _is_feasible(result) else 1)
-    text = document if arguments.format == "json" else f"Task {task.name!r}\n{result}"
+    text = document if arguments.format == "json" else f"Task {task.name!r}{in_reserve(arguments)}\n{result}"
     return Answer(with_report(text, arguments), 0 if _is_feasible(result) else 1)
 
 

@@ -22,7 +22,12 @@ from puma_septic.kinematics._inverse import (
 )
 from puma_septic.kinematics._poses import checked_poses, pose_errors
 from puma_septic.kinematics._puma_branches import CONFIGURATIONS
-from puma_septic.kinematics._singularity import singularity_distances, singularity_names, singularity_zeros
+from puma_septic.kinematics._singularity import (
+    manipulability,
+    singularity_distances,
+    singularity_names,
+    singularity_zeros,
+)
 
 __all__ = [
     "CONFIGURATIONS",
@@ -42,6 +47,7 @@ __all__ = [
     "is_puma",
     "jacobian",
     "lowest_points",
+    "manipulability",
     "pose_errors",
     "rtb_names",
     "singularity_distances",

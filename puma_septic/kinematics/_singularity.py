@@ -10,12 +10,37 @@ from puma_septic.kinematics._puma_branches import SINGULARITIES, branch_values, 
 from puma_septic.robot import Robot
 from puma_septic.validation import Array
 
-__all__ = ["singularity_distances", "singularity_names", "singularity_zeros"]
+__all__ = ["manipulability", "singularity_distances", "singularity_names", "singularity_zeros"]
 
 # Far above the rounding of a measure and the residual of an inverse kinematics, far below a distance that matters.
 _ZERO = 1e-9
 # For a square, whose rounding is not squared.
 _ZERO_SQUARE = 1e-13
+
+
+def manipulability(robot: Robot, q: Array) -> Array:
+    """Yoshikawa's manipulability ``sqrt(det(J J^T))`` of the joints that carry the tool; 0 at singular postures.
+
+    J has metres and radians in it: a measure to compare postures of one arm and one tool by, not arms. With fewer than
+    six joints it is ``sqrt(det(J^T J))``. Source: Yoshikawa, Manipulability of Robotic Mechanisms, International
+    Journal of Robotics Research 4(2), 1985.
+
+    Parameters
+    ----------
+    q : ndarray, shape (n, n_joints)
+
+    Returns
+    -------
+    ndarray, shape (n,)
+
+    Examples
+    --------
+    >>> import puma_septic as ps
+    >>> folded, bent = manipulability(ps.load_robot("ur5"), np.array([[0.0] * 6, [0.0, -1.0, 1.0, 0.0, 1.0, 0.0]]))
+    >>> bool(folded < 1e-9), round(float(bent), 4)
+    (True, 0.0)
+    """
+    return np.asarray(np.linalg.svd(_carrying(robot, q), compute_uv=False).prod(axis=1))
 
 
 def singularity_names(robot: Robot) -> tuple[str, ...]:

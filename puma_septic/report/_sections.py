@@ -147,14 +147,17 @@ class Case:
 
 
 def limits_case(
-    found: Sequence[MotionLimits], labels: Sequence[str], document: Mapping[str, Any], resolved: ResolvedTask
+    found: Sequence[MotionLimits],
+    assessments: Sequence[Assessment],
+    document: Mapping[str, Any],
+    resolved: ResolvedTask,
 ) -> Case:
     """How fast and how heavy: the motions as they are given, with what they could do."""
-    group = tuple(assess(one.motion) for one in found)
+    labels = profile_labels(assessments)
     return Case(
         title=f"{resolved.task.name}: how fast, how heavy",
-        assessments=group,
-        labels=list(labels),
+        assessments=tuple(assessments),
+        labels=labels,
         is_feasible=all(one.fastest is not None and not one.fastest.reason for one in found),
         sentence=limits_view.sentence(document),
         heading="How fast, how heavy",

@@ -203,7 +203,7 @@ def optimised_html(
 
 def limits_html(
     found: Sequence[MotionLimits],
-    labels: Sequence[str],
+    assessments: Sequence[Assessment],
     document: Mapping[str, Any],
     resolved: ResolvedTask,
     *,
@@ -215,10 +215,10 @@ def limits_html(
     Parameters
     ----------
     found : sequence of MotionLimits
-    labels : sequence of str
-        Their profiles.
+    assessments : sequence of Assessment
+        Of the motions as they are given.
     document : mapping
-        Of all of them, as ``limits --format json`` writes it.
+        Of all limits, as ``limits --format json`` writes it.
     resolved : ResolvedTask
     made, units
         As of `report_html`.
@@ -227,7 +227,7 @@ def limits_html(
     -------
     str
     """
-    case = limits_case(found, labels, document, resolved)
+    case = limits_case(found, assessments, document, resolved)
     return _page(case.title, [_section(case, units)], made)
 
 

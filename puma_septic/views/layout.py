@@ -172,7 +172,9 @@ def _table_at(lines: Sequence[str], k: int) -> tuple[int, Table] | None:
 def _is_row(line: str, spans: Sequence[tuple[int, int]]) -> bool:
     """Whether nothing stands between the columns; the last one may be open."""
     gaps = [(one[1], other[0]) for one, other in pairwise(spans)]
-    return bool(line.strip()) and all(not line[start:end].strip() for start, end in gaps) and len(line) <= spans[-1][1]
+    fits = all(not line[start:end].strip() for start, end in gaps) and len(line) <= spans[-1][1]
+    is_note = len(line) <= spans[0][1] and line.endswith(".")  # a short sentence below the table
+    return bool(line.strip()) and fits and not is_note
 
 
 def _cells(line: str, spans: Sequence[tuple[int, int]]) -> list[str]:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import puma_septic as ps
 from puma_septic.cli import main
 from puma_septic.profiles import available
 
@@ -218,3 +219,41 @@ def test_bad_input_is_one_line_on_stderr(
     assert out == ""
     assert err.count("\n") == 1
     assert message in err
+
+
+def test_branches_are_sorted_and_tell_their_manipulability(capsys: pytest.CaptureFixture[str]) -> None:
+    """`ik` had no order but that of the names, and told nothing of how far a posture is from singular ones."""
+    pose = ["ik", "--robot", "ur5", "--position", "0.4", "0.1", "0.3", "--rpy-deg", "0", "180", "0"]
+    assert main([*pose, "--sort", "manipulability", "--format", "json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    branches = document["poses"][0]["branches"]
+    ease = [one["manipulability"] for one in branches]
+    assert ease == pytest.approx(sorted(ease, reverse=True), rel=1e-9)
+    # Yoshikawa's measure of six joints is the magnitude of the Jacobian's determinant.
+    robot = ps.load_robot("ur5")
+    determinants = [abs(np.linalg.det(ps.jacobian(robot, np.array(one["q"])))) for one in branches]
+    assert ease == pytest.approx(determinants, rel=1e-9)
+    assert main([*pose, "--sort", "height"]) == 0
+    text = capsys.readouterr().out
+    assert text.index("left-up-flip") < text.index("left-down-noflip")
+    assert text.count("All 8 branches.") == 1  # a note below a table that is continued is no row of it
+
+
+def test_a_margin_means_the_same_everywhere(capsys: pytest.CaptureFixture[str]) -> None:
+    """`--margin` was known to `assess` alone. A motion that the velocity stops takes 1 / (1 - margin) times as long."""
+    least = {}
+    for margin in ("0", "0.2"):
+        main(["limits", "paper-turned", "--profile", "septic", "--margin", margin, "--format", "json"])
+        least[margin] = json.loads(capsys.readouterr().out)["profiles"][0]["fastest"]["duration"]
+    assert least["0.2"] == pytest.approx(least["0"] / 0.8, rel=1e-9)
+    task = ps.resolve_task(ps.load_task("paper-turned"))
+    slower = ps.septic(task.points, np.array(task.times) * least["0.2"] / task.times[-1])
+    assessment = ps.assess(task.robot, slower)
+    assert not assessment.keeps(0.2 - 1e-9)
+    assert assessment.keeps(0.2 + 1e-9)
+    assert main(["compare", "paper-turned", "--margin", "0.2", "--format", "json"]) == 0
+    rows = {one["name"]: one for one in json.loads(capsys.readouterr().out)["profiles"]}
+    assert not rows["septic"]["is_feasible"]  # 86 % of a velocity limit
+    assert rows["cubic_spline"]["is_feasible"]
+    assert main(["optimise", "--margin", "1"]) == 2
+    assert "--margin 1 leaves nothing of the limits" in capsys.readouterr().err

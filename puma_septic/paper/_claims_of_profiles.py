@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
@@ -89,8 +90,23 @@ def claim_3(e: Evidence) -> Claim:
             "branches_within_limits": list(e.branches_within_limits),
         },
         verdict=verdict_of(not beyond_limits),
-        explanation=f"{table}. Of the eight branches, within the limits are {free}.",
+        explanation=f"{table}. {_turned(e, q, worst)}Of the eight branches, within the limits are {free}.",
     )
+
+
+def _turned(e: Evidence, q: Array, worst: Mapping[int, int]) -> str:
+    """Joints that the paper prints a whole turn away from where the same posture is nearer to their range."""
+    limits, said = e.robot.limits.position, []
+    for j, i in sorted(worst.items()):
+        other = q[i, j] - np.copysign(2 * np.pi, q[i, j])
+        given, turned = (max(limits[j, 0] - angle, angle - limits[j, 1]) for angle in (q[i, j], other))
+        if turned < given:
+            where = f"{np.degrees(turned):z.0f} deg beyond" if turned > 0 else "within"
+            said.append(
+                f"{e.robot.joint_names[j]} is printed a whole turn off: {np.degrees(other):z.2f} deg is the same"
+                f" posture, {where} its range, and is what `assess paper` takes. "
+            )
+    return "".join(said)
 
 
 def claim_4(e: Evidence) -> Claim:

@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
+from PIL import Image, ImageShow
 
 from puma_septic.errors import InputError
 from puma_septic.pictures import Dot, Entry, Hue, Line, Panel, Picture
@@ -23,6 +24,8 @@ __all__ = ["OnAxes", "dot_style", "draw", "line_style", "new_figure", "place_leg
 OnAxes = Axes | Sequence[Axes] | NDArray[Any]
 # 9 inches wide are then 900 pixels.
 DPI: Final = 100
+# Of the frame around a chart; bars need none.
+_SPINES: Final = ("left", "bottom")
 _WIDTH: Final = 9.0
 # Pictures are described in pixels of a phone; a page of this width has 1.3 of them a point.
 _POINTS: Final = 0.85
@@ -48,12 +51,24 @@ _EDGES: Final = {"up": 0.97, "down": 0.03}
 
 @final
 class NotebookFigure(Figure):
-    """A matplotlib figure that notebooks display: without pyplot, IPython would only print its name."""
+    """A matplotlib figure that notebooks display, and scripts by `show`: without pyplot neither would."""
 
     def _repr_png_(self) -> bytes:
         buffer = io.BytesIO()
         self.savefig(buffer, format="png")
         return buffer.getvalue()
+
+    def show(self, warn: bool = True) -> None:
+        """Open the figure in the system's viewer of pictures, as the last line of a script; the script goes on.
+
+        Raises
+        ------
+        InputError
+            Where no program shows pictures; `savefig` writes a file anywhere.
+        """
+        with Image.open(io.BytesIO(self._repr_png_())) as picture:
+            if not ImageShow.show(picture) and warn:
+                raise InputError("no program here shows pictures; write a file instead: figure.savefig('figure.png')")
 
 
 def draw(picture: Picture, *, ax: OnAxes | None = None, joints: str | Sequence[str] | None = None) -> Figure:
@@ -126,6 +141,9 @@ def _tidy(ax: Axes, panel: Panel) -> None:
     for axis, most in ((ax.xaxis, 4 if panel.rows else 6), (ax.yaxis, 6)):
         axis.set_major_locator(MaxNLocator(most, steps=_STEPS))
     ax.grid(True, color="0.9", linewidth=0.6)
+    for side, spine in ax.spines.items():
+        spine.set(visible=side in _SPINES and not panel.rows, color="0.6", linewidth=0.8)
+    ax.tick_params(color="0.6")
     ax.set_axisbelow(True)
 
 
@@ -169,7 +187,7 @@ def _draw_bars(ax: Axes, panel: Panel) -> None:
     for key in dict.fromkeys((bar.slot, bar.fill.is_hatched) for bar in panel.bars):
         bars = [bar for bar in panel.bars if (bar.slot, bar.fill.is_hatched) == key]
         style = _fill_style([_colour(bar.fill.hue) for bar in bars], is_hatched=key[1])
-        ax.barh([level[bar] for bar in bars], [bar.length for bar in bars], 0.9 * thick, **style)
+        ax.barh([level[bar] for bar in bars], [bar.length for bar in bars], 0.8 * thick, **style)
     for bar in panel.bars:
         ax.annotate(
             bar.text,

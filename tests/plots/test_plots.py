@@ -11,10 +11,12 @@ import numpy as np
 import pytest
 from helpers.moves import POINTS, TIMES
 from matplotlib.figure import Figure
+from PIL import ImageShow
 
 import puma_septic as ps
 from puma_septic import plots
 from puma_septic.assessment import Assessment, assess
+from puma_septic.errors import InputError
 from puma_septic.pictures import HUES, PROFILES, assessment_pictures
 from puma_septic.piecewise import sampled
 from puma_septic.report.svg import picture_svg
@@ -383,3 +385,21 @@ def test_sliding_joints_have_their_units(tmp_path: Path) -> None:
 def test_bad_input_is_refused(septic: Assessment, draw, message: str) -> None:
     with pytest.raises(ps.InputError, match=message):
         draw(septic)
+
+
+def test_a_script_shows_a_figure(monkeypatch: pytest.MonkeyPatch, figures: dict[str, Figure]) -> None:
+    """As the last line of a script a plot showed nothing, and `show` of a figure without pyplot was an error."""
+    shown = []
+    monkeypatch.setattr(ImageShow, "show", lambda picture: bool(shown.append(picture.size)) or True)
+    next(iter(figures.values())).show()
+    assert shown[0][0] == 900
+    monkeypatch.setattr(ImageShow, "show", lambda _: False)
+    with pytest.raises(InputError, match=r"no program here shows pictures; write a file instead"):
+        next(iter(figures.values())).show()
+
+
+def test_bars_have_no_frame_and_charts_half_of_one(figures: dict[str, Figure]) -> None:
+    """Four black spines around each chart: correct, not beautiful."""
+    assert not any(spine.get_visible() for spine in figures["utilisation"].axes[0].spines.values())
+    seen = {side for side, spine in figures["torque"].axes[0].spines.items() if spine.get_visible()}
+    assert seen == {"left", "bottom"}

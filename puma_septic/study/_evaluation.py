@@ -15,7 +15,7 @@ from puma_septic.limit_check import AT_LIMIT, most_used_first
 from puma_septic.limits import payload_and_duration, stretched
 from puma_septic.motion import compute_motion
 from puma_septic.paths import TOOL, tool_rates
-from puma_septic.robot import Payload
+from puma_septic.robot import Payload, Robot
 from puma_septic.study._definition import SCALED, Study, placed
 from puma_septic.task import make_task, resolve_task
 from puma_septic.validation import Array
@@ -23,6 +23,10 @@ from puma_septic.validation import Array
 __all__ = ["Columns", "evaluated", "joint_count"]
 
 Columns = dict[str, NDArray[Any]]
+# What of a task makes its robot.
+_ROBOT: Final = ("robot", "payload", "wrench", "limits")
+# Robots that are kept from one shape to the next: to load one takes as long as all else of a shape.
+_KEPT: Final = 16
 _MAGNITUDES: Final = ("velocity", "acceleration", "jerk", "effort")
 _CALLED: Final = {"velocity": "velocity", "acceleration": "acceleration", "jerk": "jerk", "effort": "torque"}
 
@@ -63,8 +67,9 @@ def evaluated(study: Study, cases: NDArray[np.int64], n_joints: int) -> Columns:
     shape = [k for k, axis in enumerate(study.axes) if axis.name not in SCALED]
     keys = places[:, shape]
     changes = np.flatnonzero(np.append(True, (keys[1:] != keys[:-1]).any(axis=1))).tolist()
+    robots: dict[str, Robot] = {}
     for start, end in zip(changes, [*changes[1:], len(cases)], strict=True):
-        _fill(columns, slice(start, end), study, places, shape)
+        _fill(columns, slice(start, end), study, places, shape, robots)
     return columns
 
 
@@ -93,8 +98,10 @@ def _empty(study: Study, cases: NDArray[np.int64], places: Array, n_joints: int)
     return columns
 
 
-def _fill(columns: Columns, rows: slice, study: Study, places: Array, shape: list[int]) -> None:
-    """Columns of the cases of one shape."""
+def _fill(
+    columns: Columns, rows: slice, study: Study, places: Array, shape: list[int], robots: dict[str, Robot]
+) -> None:
+    """Columns of the cases of one shape; the robots of some shapes before it, by what made them, are used again."""
     try:
         document = deepcopy(study.task.document())
         for k in shape:
@@ -103,7 +110,9 @@ def _fill(columns: Columns, rows: slice, study: Study, places: Array, shape: lis
                 document["profiles"] = [value if isinstance(value, Mapping) else _choice(document, str(value))]
             else:
                 placed(document, name, value, f"axis {name!r}")
-        resolved = resolve_task(make_task(document, origin=study.task.origin))
+        made_from = repr([document.get(section) for section in _ROBOT])
+        resolved = resolve_task(make_task(document, origin=study.task.origin), robot=robots.get(made_from))
+        _keep(robots, made_from, resolved.robot)
         motion = compute_motion(resolved.robot, resolved.trajectories[0])
     except PumaSepticError as error:
         columns["error"][rows] = str(error)
@@ -119,6 +128,12 @@ def _fill(columns: Columns, rows: slice, study: Study, places: Array, shape: lis
         _store(columns, rows, first, durations, masses)
     except PumaSepticError as error:
         columns["error"][rows] = str(error)
+
+
+def _keep(robots: dict[str, Robot], made_from: str, robot: Robot) -> None:
+    if made_from not in robots and len(robots) == _KEPT:
+        robots.pop(next(iter(robots)))
+    robots[made_from] = robot
 
 
 def _numbers(study: Study, name: str, places: Array) -> Array:

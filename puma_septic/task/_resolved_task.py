@@ -115,8 +115,14 @@ class ResolvedTask:
         }
 
 
-def resolve_task(task: Task) -> ResolvedTask:
+def resolve_task(task: Task, *, robot: Robot | None = None) -> ResolvedTask:
     """Load the robot, solve the poses, choose the branch and make the trajectories.
+
+    Parameters
+    ----------
+    task : Task
+    robot : Robot, optional
+        As a task with the same robot, payload, wrench and limits gave it: it is not loaded again.
 
     Returns
     -------
@@ -146,7 +152,7 @@ def resolve_task(task: Task) -> ResolvedTask:
             f"{task.origin}: a cycle, which assess, size and replay take (in Python resolve_cycle); this needs points"
             " with times and profiles"
         )
-    robot, waypoints = solve_points(task)
+    robot, waypoints = solve_points(task, robot)
     names = tuple(point.name or f"points[{k}]" for k, point in enumerate(task.points))
     branches = branches_through(robot, waypoints)
     with named(task, "branch"):

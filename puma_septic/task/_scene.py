@@ -23,12 +23,12 @@ _WORLD = "world"
 _FULL = 6
 
 
-def solve_points(task: Task) -> tuple[Robot, tuple[Waypoint, ...]]:
+def solve_points(task: Task, robot: Robot | None = None) -> tuple[Robot, tuple[Waypoint, ...]]:
     """The task's robot, and each of its points: joint positions as given, a pose with all its solutions.
 
     Raises what `resolve_task` raises, but for branch and profiles.
     """
-    robot = _robot(task)
+    robot = _robot(task) if robot is None else robot
     with named(task, "frame"):
         frame = _world_frame(robot, task.frame)
     return robot, tuple(_waypoint(robot, frame, task, k) for k in range(len(task.points)))

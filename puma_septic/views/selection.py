@@ -55,6 +55,9 @@ def short_text(document: Document) -> str:
         headers, rows = _choice(document)
         # The life, the last column, comes with -v.
         lines += ["", text_table(headers[:-1], [row[:-1] for row in rows]), *([power] if power else [])]
+    if front := _front_section(document):
+        head, table, note = front[0]
+        lines += ["", f"{head}:", text_table(*table), note]
     without = [f"{joint['name']}: {joint['explanation']}" for joint in document["joints"] if not joint["kept"]]
     lines += ["", *without] if without else []
     notes = [f"Note: {note}" for note in document["notes"]]
@@ -119,8 +122,7 @@ def _sections(document: Document) -> list[tuple[str, Table, str]]:
         sections.append((_HEADS["conditions"], _conditions(document["conditions"]), ""))
     if document["load_cases"]:
         sections.append((_HEADS["cases"], _cases(document["load_cases"]), ""))
-    if document.get("front"):
-        sections.append((_HEADS["front"], _front(document["front"]), _front_note(document["front"])))
+    sections += _front_section(document)
     if any(joint["kept"] or joint["undecided"] for joint in document["joints"]):
         lacking = any(joint["undecided"] for joint in document["joints"])
         note = _HEADS["pairs_note"] + ("; not decidable: enough is not known of the pair" if lacking else "")
@@ -174,6 +176,12 @@ def _conditions(conditions: Document) -> Table:
         else:
             rows.append([name.replace("_", " "), _listed(value)])
     return ["condition", "value"], rows
+
+
+def _front_section(document: Document) -> list[tuple[str, Table, str]]:
+    """Of the whole arm's front, where it was asked for and there is one."""
+    front = document.get("front")
+    return [(_HEADS["front"], _front(front), _front_note(front))] if front else []
 
 
 def _front(front: Sequence[Document]) -> Table:

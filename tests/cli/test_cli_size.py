@@ -216,7 +216,7 @@ def test_the_stage_of_a_sliding_joint_and_brakes_are_options(
 
 def test_a_shared_supply_beside_a_catalogue(capsys: pytest.CaptureFixture[str]) -> None:
     """The table of conditions took the supply's name for a number: exit code 70."""
-    code, out, _ = ask(capsys, "--catalogue", "example", "--keep", "1", "--supply-power", "1000")
+    code, out, _ = ask(capsys, "--catalogue", "example", "--keep", "1", "--supply-power", "1000", "-v")
     assert code == 0
     assert "supply " in out
     assert "a shared bus" in out

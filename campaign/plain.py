@@ -12,7 +12,6 @@ import numpy as np
 import puma_septic as ps
 from campaign.rules import MAX_MESSAGE, UNCLEAN, UnsoundError
 
-
 _HUGE: Final = 10**308  # which no double is above
 
 

@@ -76,7 +76,7 @@ def test_axes_are_those_of_the_kinematics(puma: ps.Robot) -> None:
 
 def test_a_robot_of_which_little_is_known(tmp_path: Path) -> None:
     limits, drive = rows_of(load(tmp_path, ARM)._repr_html_(), "shoulder")[1:]
-    assert limits == ["shoulder", "-2 to 2", "3", "unknown", "unknown", "50"]
+    assert limits == ["shoulder", "±2", "3", "unknown", "unknown", "50"]
     assert drive == ["shoulder", "unknown", "unknown", "unknown", "unknown, unknown"]
 
 
@@ -95,9 +95,9 @@ def test_assessment_shows_verdict_peaks_and_margins(puma: ps.Robot, move: ps.Tra
     assert "puma560, quintic_segments, 2 s: feasible" in html
     motion, effort, margins = rows_of(html, "joint2")
     # 15/8 h / T
-    assert motion[2] == f"0.4688 ({100 * 0.46875 / 1.51:.0f} %)"
+    assert motion[2] == f"0.4688 ({100 * 0.46875 / 1.51:.0f}\u00a0%)"
     assert effort[1].startswith(f"{assessment.peak_torque[1]:.4g} (")
-    assert margins[2] == f"{100 * (1 - 0.46875 / 1.51):.0f} %"
+    assert margins[2] == f"{100 * (1 - 0.46875 / 1.51):.0f}\u00a0%"
     assert margins[1] == f"{assessment.margins['position'][1]:.3g} rad"
     assert margins[3] == "not known"
 
@@ -148,7 +148,20 @@ def test_names_are_text(tmp_path: Path, puma: ps.Robot, move: ps.Trajectory) -> 
         html = value._repr_html_()
         assert HOSTILE not in html
         assert escaped in html
-        assert Tables(html).tags <= {"p", "strong", "div", "table", "caption", "thead", "tbody", "tr", "th", "td"}
+        assert Tables(html).tags <= {
+            "p",
+            "strong",
+            "div",
+            "ul",
+            "li",
+            "table",
+            "caption",
+            "thead",
+            "tbody",
+            "tr",
+            "th",
+            "td",
+        }
 
 
 def test_drives_that_are_known_have_their_source(tmp_path: Path) -> None:

@@ -133,9 +133,11 @@ class Conditions:
         for joint in self.stages:
             checked_choice("joint of stages", joint, names)
         staged = [
-            replace(train, stage=self.stages.get(name, train.stage), with_brake=train.with_brake or self.with_brake)
+            replace(train, stage=self.stages[name]) if name in self.stages else train
             for name, train in zip(names, trains, strict=True)
         ]
+        if self.with_brake:
+            staged = [replace(train, with_brake=True) for train in staged]
         return tuple(self.applied(train, j, len(names)) for j, train in enumerate(staged))
 
     def applied(self, train: Drivetrain, j: int, n_joints: int) -> Drivetrain:

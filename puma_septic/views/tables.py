@@ -25,8 +25,6 @@ _PLAIN_FROM, _PLAIN_BELOW = 1e-4, 1e7
 _NUMBER: Final = re.compile(r"[-±]?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?: %)?(?: \(\d* ?%?!?\)| !)?")
 _WORDS: Final = ("", "--", "none", "not known", _UNBOUNDED, _UNKNOWN)
 _FILLED: Final = re.compile(r" +(?=</t[dh]>)|(?<=\">) +")
-# The minus of a number that begins a cell or stands within it.
-_MINUS: Final = re.compile(r"(?<![\w.)-])-(?=\d)")
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -76,14 +74,14 @@ def text_table(headers: Sequence[str], rows: Sequence[Sequence[Cell]]) -> str:
 def html_table(headers: Sequence[str], rows: Sequence[Sequence[Cell]], *, caption: str | None = None) -> str:
     """Lay out rows as an HTML table, columns of numbers to the right; every string is escaped.
 
-    Powers of units and minus signs are set as in print; a percentage stays with its sign.
+    Powers of units are set as in print, and a percentage stays with its sign; numbers stay as a spreadsheet reads them.
 
     Raises
     ------
     InputError
         If a row has not one cell per header.
     """
-    cells = [[_MINUS.sub("\u2212", _text(cell)).replace(" %", "\u00a0%") for cell in row] for row in rows]
+    cells = [[_text(cell).replace(" %", "\u00a0%") for cell in row] for row in rows]
     # tabulate fills cells up to the width of their column.
     table = _FILLED.sub("", _table([typeset(head) for head in headers], cells, "html"))
     if caption is None:
@@ -107,5 +105,5 @@ def _text(cell: Cell) -> str:
 
 
 def _is_number(text: str) -> bool:
-    plain = text.replace("\u2212", "-").replace("\u00a0", " ").strip()
+    plain = text.replace("\u00a0", " ").strip()
     return plain in _WORDS or plain.removeprefix("-") in _WORDS or _NUMBER.fullmatch(plain) is not None

@@ -24,7 +24,7 @@ def numbers_of(value: Any, path: tuple[Any, ...] = ()) -> Iterable[tuple[tuple[A
         for key, part in enumerate(value):
             yield from numbers_of(part, (*path, key))
     elif isinstance(value, (int, float)) and not isinstance(value, bool):
-        yield path, float(value) if abs(value) < _HUGE else math.copysign(math.inf, value)
+        yield path, float(value) if abs(value) < _HUGE else math.inf * (1 if value > 0 else -1)
 
 
 def same(what: str, value: Any, said: Any, *, tolerance: float = 0.0) -> None:

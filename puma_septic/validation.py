@@ -246,6 +246,8 @@ def checked_number(
     number = float(checked_array(name, value, (), unit=unit))  # type: ignore[arg-type]
     if above is not None and not number > above:
         raise InputError(f"{name} = {number:g}{suffix} must be greater than {above:g}{suffix}")
+    if above == 0 and number < 1 / LARGEST:
+        raise InputError(f"{name} = {number:g}{suffix} must be at least {1 / LARGEST:g}{suffix}")
     if at_least is not None and not number >= at_least:
         raise InputError(f"{name} = {number:g}{suffix} must be at least {at_least:g}{suffix}")
     if at_most is not None and not number <= at_most:

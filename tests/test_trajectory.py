@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -133,10 +133,14 @@ def test_power_coefficients_are_the_function(family: str, seed: int) -> None:
 
 @pytest.mark.parametrize("family", FAMILIES)
 @given(seed=seeds)
+@example(seed=88160)  # the septic's ends before t = 0, where the instant before a break was one outside the span
+@example(seed=999234)  # and the quintic's
 @hypothesis_settings(max_examples=15)
 def test_exact_peaks_against_dense_samples(family: str, seed: int) -> None:
     move = make(family, *random_points(seed))
-    t = np.unique(np.concatenate([np.linspace(*move.breaks[[0, -1]], 20_001), np.nextafter(move.breaks[1:], 0)]))
+    # Just before each break, by more than a rounding of the time since the start.
+    before = move.breaks[1:] - 4 * np.spacing(np.abs(move.breaks).max() + move.duration)
+    t = np.unique(np.concatenate([np.linspace(*move.breaks[[0, -1]], 20_001), before]))
     t = t[t >= move.breaks[0]]
     for order in range(4):
         found, sampled = move.extrema(order), move(t, order)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from puma_septic.errors import InputError
 from puma_septic.kinematics._chain import cross
-from puma_septic.validation import Array, checked_array, checked_choice
+from puma_septic.validation import Array, checked_array, checked_choice, checked_list
 
 __all__ = [
     "CONDITIONS",
@@ -45,7 +45,7 @@ def checked_conditions(constrain: str | Sequence[bool]) -> Conditions:
     """
     if isinstance(constrain, str):
         return CONDITIONS[checked_choice("constrain", constrain, CONDITIONS)]
-    values = tuple(constrain)
+    values = checked_list("constrain", constrain)
     if len(values) != 6 or not all(isinstance(value, (bool, np.bool_)) for value in values) or not any(values):
         raise InputError(
             f"constrain: expected {', '.join(map(repr, CONDITIONS))}, or six truth values, at least one of them True,"
@@ -117,6 +117,8 @@ def checked_poses(name: str, poses: ArrayLike, *, tolerance: float = RIGIDITY) -
     array = checked_array(name, poses, (None, 4, 4))
     frame = np.ascontiguousarray(array[:, :3].transpose(2, 1, 0))
     rotation = frame[:3]
+    if not (np.abs(rotation) <= 2.0).all():  # beyond any tolerance, and products of them may overflow
+        raise InputError(_first_fault(name, array, tolerance))
     lengths = (rotation * rotation).sum(axis=1) - 1.0
     angles = (rotation * rotation[[1, 2, 0]]).sum(axis=1)
     defect = max(np.abs(lengths).max(initial=0.0), np.abs(angles).max(initial=0.0))

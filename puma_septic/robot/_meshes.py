@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache, lru_cache
 from os.path import normpath
 from pathlib import Path
 from typing import Any, Final, NoReturn, final
@@ -62,6 +62,10 @@ class _Folders:
         return any(resolved.is_relative_to(root) for root in self.own)
 
 
+_Finder = Callable[[str], tuple[Path, ...]]
+"""The folders of a package of this name."""
+
+
 def _own_folders(urdf: Path, package_dirs: Sequence[str | Path]) -> _Folders:
     """The folders of a robot whose URDF is this file."""
     home = urdf.resolve().parent
@@ -72,7 +76,7 @@ def _own_folders(urdf: Path, package_dirs: Sequence[str | Path]) -> _Folders:
     return _Folders(home=home, given=given, own=tuple(dict.fromkeys([home, *package, *beside])))
 
 
-def _found_mesh(name: str, folders: _Folders) -> tuple[Path | None, str]:
+def _found_mesh(name: str, folders: _Folders, packages: _Finder) -> tuple[Path | None, str]:
     """The file that a mesh name means, and why it cannot be used; "" where it can.
 
     Returns
@@ -80,7 +84,7 @@ def _found_mesh(name: str, folders: _Folders) -> tuple[Path | None, str]:
     tuple of Path or None and str
     """
     try:
-        path, package, why = _named(name, folders)
+        path, package, why = _named(name, folders, packages)
         if path is None:
             return None, why
         resolved = path.resolve()
@@ -94,7 +98,7 @@ def _found_mesh(name: str, folders: _Folders) -> tuple[Path | None, str]:
         return None, f"is no usable path: {error}"
 
 
-def _named(name: str, folders: _Folders) -> tuple[Path | None, list[Path], str]:
+def _named(name: str, folders: _Folders, packages: _Finder) -> tuple[Path | None, list[Path], str]:
     """The file that is meant, the package that it lies in if that says so itself, and why there is none."""
     scheme, separator, rest = name.partition("://")
     if not separator:
@@ -107,7 +111,7 @@ def _named(name: str, folders: _Folders) -> tuple[Path | None, list[Path], str]:
     package, _, inside = rest.partition("/")
     if package in ("", ".", ".."):
         return None, [], f"{package!r} is no package name"
-    roots = list(_packages(package, folders))
+    roots = packages(package)
     if not roots:
         return None, [], f"package {package!r} was not found; package_dirs=[FOLDER] names the folder that holds it"
     paths = {root: Path(normpath(root / inside.lstrip("/"))) for root in roots}
@@ -233,13 +237,15 @@ def confined_geometry(urdf: Urdf, package_dirs: Sequence[str | Path]) -> tuple[G
     the tree.
     """
     folders = _own_folders(urdf.text.path, package_dirs)
+    # Each package is looked for once: beside many folders one search takes as long as all the rest.
+    packages = cache(lambda package: tuple(_packages(package, folders)))
     missing: dict[tuple[str, str], str] = {}
     for name, link in urdf.links.items():
         for shape in [*link.findall("visual"), *link.findall("collision")]:
             mesh = shape.find("geometry/mesh")
             if mesh is None:
                 continue
-            path, why = _found_mesh(mesh.get("filename", ""), folders)
+            path, why = _found_mesh(mesh.get("filename", ""), folders, packages)
             if path is None:
                 link.remove(shape)
                 owner = f"link {name!r}" if shape.tag == "visual" else f"{_CONTACT} of link {name!r}"

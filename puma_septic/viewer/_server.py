@@ -124,10 +124,10 @@ def _handler(page: bytes) -> type[BaseHTTPRequestHandler]:
             port = self.connection.getsockname()[1]
             names = (_ADDRESS, "localhost")
             hosts = [f"{name}:{port}" for name in names] + (list(names) if port == 80 else [])
-            origin = self.headers.get("Origin")
+            origins = self.headers.get_all("Origin", [])
             if self.headers.get_all("Host", []) not in [[host] for host in hosts]:
                 return HTTPStatus.FORBIDDEN, b"403: this replay is shown on its own machine only\n"
-            if origin is not None and origin not in [f"http://{host}" for host in hosts]:
+            if origins and origins not in [[f"http://{host}"] for host in hosts]:
                 return HTTPStatus.FORBIDDEN, b"403: this replay is not shown to other sites\n"
             if self.path.partition("?")[0] != "/":
                 return HTTPStatus.NOT_FOUND, b"404: the only page is /\n"

@@ -512,6 +512,21 @@ def test_foreign_host_and_origin_are_refused(headers: dict[str, str]) -> None:
         server.close()
 
 
+def test_of_two_origins_neither_counts() -> None:
+    """Of two headers the first alone was looked at."""
+    server = serve_page("<p>arm</p>")
+    try:
+        own, foreign = f"http://127.0.0.1:{server.port}", "http://evil.example"
+        for origins in ((own, foreign), (foreign, own), (own, own)):
+            request = f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\n"
+            request += "".join(f"Origin: {origin}\r\n" for origin in origins) + "Connection: close\r\n\r\n"
+            with socket.create_connection(("127.0.0.1", server.port), timeout=5) as client:
+                client.sendall(request.encode())
+                assert client.recv(100).split()[1] == b"403"
+    finally:
+        server.close()
+
+
 def test_a_taken_port_is_replaced_by_another() -> None:
     first = serve_page("first")
     second = serve_page("second", port=first.port)

@@ -98,7 +98,7 @@ class Piecewise:
         """
         checked = checked_array("powers", powers, (None, None, None))
         matrix = matrices.from_power_matrix(len(checked) - 1)
-        return cls(breaks=_checked_breaks(breaks), coefficients=_apply(matrix, checked))
+        return cls(breaks=breaks, coefficients=_apply(matrix, checked))  # type: ignore[arg-type]
 
     @classmethod
     def fit(cls, f: Callable[[Array], Array], breaks: ArrayLike, *, tolerance: float = 1e-11) -> Piecewise:

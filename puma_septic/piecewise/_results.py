@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from puma_septic.validation import Array, freeze_fields, frozen
+from puma_septic.validation import Array, frozen
 
 __all__ = ["Extrema", "Jumps"]
 
@@ -33,7 +33,8 @@ class Extrema:
 
     def __post_init__(self) -> None:
         # Kept by what they describe, which writing to them would falsify.
-        freeze_fields(self)
+        for array in (self.min, self.max, self.t_min, self.t_max):
+            frozen(array)
 
     @property
     def peak(self) -> Array:
@@ -65,4 +66,5 @@ class Jumps:
     sizes: Array
 
     def __post_init__(self) -> None:
-        freeze_fields(self)
+        for array in (self.times, self.sizes):
+            frozen(array)

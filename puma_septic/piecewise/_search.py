@@ -330,10 +330,11 @@ def _zeros(series: Array, bracket: Array, values: Array) -> Array:
             value, slope = _value_and_slope(both, x)
             step = value / slope
             x = np.minimum(np.maximum(x - step, left), right)
+            found = np.abs(step) <= near
             places[moving] = x
-            on = np.flatnonzero(~(np.abs(step) <= near))
-            if not len(on):
+            if found.all():
                 break
+            on = np.flatnonzero(~found)
             # Nearly all are found in three steps: the others go on alone.
             if 2 * len(on) < len(moving):
                 moving, both, x, left, right, near = moving[on], both[:, :, on], x[on], left[on], right[on], near[on]

@@ -14,7 +14,11 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from puma_septic import paper, profiles
+from puma_septic.views.layout import laid_out
 from puma_septic.views.tables import number
+
+# Of a page's text: wider tables are set anew, as a terminal has them, instead of broken line by line.
+_COLUMNS = 78
 
 
 class Run(SphinxDirective):
@@ -34,7 +38,7 @@ class Run(SphinxDirective):
             raise self.error(f"this example ends in {type(error).__name__}: {error}") from error
         shown = [] if "hidden" in self.options else [(code, "python")]
         if printed.getvalue():
-            shown.append((printed.getvalue().rstrip(), "text"))
+            shown.append((laid_out(printed.getvalue().rstrip(), _COLUMNS), "text"))
         return [nodes.literal_block(text, text, language=language) for text, language in shown]
 
 

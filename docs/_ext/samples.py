@@ -10,6 +10,8 @@ from sphinx.application import Sphinx
 
 import puma_septic as ps
 
+# The way back, as a notebook's page has no side bar.
+BACK = '<p style="padding: 8px 16px"><a href="../notebooks.html">puma_septic, notebooks</a></p>'
 NOTEBOOKS = Path(__file__).parents[2] / "notebooks"
 
 
@@ -28,9 +30,12 @@ def write(app: Sphinx, error: Exception | None) -> None:
     (samples / "report.html").write_text(report, encoding="utf-8")
     pages = site / "notebooks"
     pages.mkdir(exist_ok=True)
-    exporter = HTMLExporter()
+    # Nothing is loaded from elsewhere: the notebooks have neither equations nor widgets that need it.
+    exporter = HTMLExporter(require_js_url="", jquery_url="", mathjax_url="", mermaid_js_url="", widget_renderer_url="")
     for path in sorted(NOTEBOOKS.glob("*.ipynb")):
         page, _ = exporter.from_notebook_node(nbformat.read(path, as_version=4))
+        # Pictures are where Sphinx puts those of the pages.
+        page = page.replace("<main>", f"<main>{BACK}", 1).replace("../docs/images/", "../_images/")
         (pages / f"{path.stem}.html").write_text(page, encoding="utf-8")
 
 

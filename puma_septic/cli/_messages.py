@@ -45,12 +45,12 @@ def blamed(message: str, given: Sequence[str]) -> str:
         if option in message:
             return message
         if re.search(_WORD.format(re.escape(value)), message) or f"/{value}:" in message:
-            return f"{option} {value}: {_PLACE.sub('', message)}"
+            return f"{option} {value}: {_PLACE.sub('', message).removeprefix(f'{value}: ')}"
     return message
 
 
 def _pairs(given: Sequence[str]) -> list[tuple[str, str]]:
-    """Options with their values; numbers, which a message may have of its own, are left out."""
+    """Options with their values, and the names before an "="; numbers, which a message may have, are left out."""
     found = []
     option = ""
     for text in given:
@@ -60,6 +60,7 @@ def _pairs(given: Sequence[str]) -> list[tuple[str, str]]:
                 found.append((option, value))
         elif option:
             found.append((option, text))
+    found += [(option, value.partition("=")[0]) for option, value in found if "=" in value]
     return [(option, value) for option, value in found if re.search("[A-Za-z]{2}", value)]
 
 
@@ -72,6 +73,8 @@ _RULES: Final = tuple(
         (r"package_dirs=\['?([^]']*)'?\]", r"--package-dir \1"),
         (r"limits='(\w+)'", r"--limits \1"),
         (r"\btool=\.\.\.", "--tool FRAME"),
+        (r"\bregion\['([^']*)'\] = ", r"--joint \1: "),
+        (r"^gap = (\S+)", r"--gap \1"),
         (r" or drivetrains=\.\.\.", ""),
         (r"\bactuators=\.\.\.", "--actuators FILE"),
     )

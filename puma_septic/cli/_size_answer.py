@@ -5,6 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Final, final
 
 from puma_septic._version import __version__
@@ -19,7 +20,7 @@ from puma_septic.drives import (
     built_in_catalogue,
     load_catalogue,
 )
-from puma_septic.errors import InputError, NoSolution
+from puma_septic.errors import InputError, NoSolution, did_you_mean
 from puma_septic.motion import Motion
 from puma_septic.outputs import file_names
 from puma_septic.report import new_folder, to_json
@@ -245,9 +246,10 @@ def _catalogue(files: list[str]) -> Catalogue:
     if len(files) == 1 and files[0] in BUILT_IN:
         return built_in_catalogue(files[0])
     if len(files) not in (2, 3):
+        lost = "this file does not exist; " if len(files) == 1 and not Path(files[0]).exists() else ""
         raise InputError(
-            f"--catalogue {' '.join(files)}: expected one of {', '.join(BUILT_IN)}, or two or three CSV files: motors,"
-            " gearboxes and, if not all fit together, pairs"
+            f"--catalogue {' '.join(files)}: {lost}expected one of {', '.join(BUILT_IN)}, or two or three CSV files:"
+            f" motors, gearboxes and, if not all fit together, pairs{did_you_mean(files[:1], BUILT_IN)}"
         )
     return load_catalogue(*files)
 

@@ -422,7 +422,7 @@ def _not_found(robot: Robot, target: Array, q: Array, errors: Array, conditions:
 def _left(q: Array, errors: Array) -> str:
     """The nearest q and what it leaves over, in words."""
     position, angle = np.linalg.norm(errors.reshape(2, 3), axis=1)
-    return f"the nearest q = {np.round(q, 6).tolist()} leaves {position:.6g} m and {angle:.3g} rad"
+    return f"the nearest q = {np.round(q, 6).tolist()} leaves {position:.6g} m and {round(float(angle), 9):z.3g} rad"
 
 
 def _counted(count: int, one: str, many: str) -> str:

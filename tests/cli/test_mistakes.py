@@ -1,4 +1,4 @@
-"""Twenty things that people get wrong: each message has the option or the line, the value, and what would be right."""
+"""Some sixty things that people get wrong: each message has the option or the line, the value and the remedy."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from puma_septic.cli import main
+from puma_septic.cli import COMMANDS, main
 
 TASK = """name: cell
 points:
@@ -23,6 +23,7 @@ FILES = {
     "broken.yaml": "name: [\n",
     "few.yaml": TASK.replace("0, 0.7, 0]}\ntimes", "0.7, 0]}\ntimes"),
     "log.csv": "a,b\n1,2\n",
+    "axis.yaml": "name: s\ntask: paper-turned\naxes: {profil: [septic]}\n",
 }
 
 # What was typed, what is blamed, its value, and the remedy.
@@ -57,6 +58,44 @@ MISTAKES = [
     (["ik", "--position", "5", "0.1", "0.6"], "--position", "out of reach", "the nearest q"),
     (["ik", "--rpy-deg", "0", "0", "0"], "--rpy-deg", "", "goes with --position"),
     (["replay", "cell.yaml", "--port", "99999"], "port", "99999", "from 0 to 65535"),
+    (["study", "nosuch.yaml"], "nosuch.yaml", "study file", "does not exist"),
+    (["study", "axis.yaml"], "axis.yaml", "axis 'profil'", "did you mean 'profile'?"),
+    (["study", "cell.yaml"], "cell.yaml", "unknown 'points'", "valid: name, task, axes"),
+    (["study", "summarise", "full"], "full", "no study is there", "study.json"),
+    (["execute", "cell.yaml", "--controller", "pdi"], "--controller", "'pdi'", "'pd'"),
+    (["execute", "cell.yaml", "--rate", "7.7"], "rate", "7.7 Hz", "divide it"),
+    (["execute", "cell.yaml", "--bandwidth", "0"], "--bandwidth", "0", "not positive"),
+    (["limits", "cell.yaml", "--com", "1,2"], "--com", "'1,2'", "X,Y,Z"),
+    (["limits", "cell.yaml", "--profile", "sptic"], "--profile", "sptic", "did you mean 'septic'?"),
+    (["limits", "cell.yaml", "--margin", "2"], "--margin", "2", "not between 0 and 1"),
+    (["check", "cell.yaml"], "check", "--robot", "required"),
+    (
+        ["check", "cell.yaml", "--robot", "puma560", "--allow", "limit_unkown"],
+        "--allow",
+        "limit_unkown",
+        "did you mean",
+    ),
+    (["accelerations", "--joint", "joint7=1:2"], "--joint", "joint7", "did you mean 'joint6'"),
+    (["accelerations", "--joint", "joint1=2:1"], "--joint joint1", "[2, 1]", "the lower bound comes first"),
+    (["accelerations", "--gap", "0"], "--gap", "0", "greater than 0"),
+    (["robot", "ur55"], "robot", "ur55", "did you mean 'ur5'?"),
+    (["robot", "ur5", "--at", "elbow=1"], "--at", "elbow", "did you mean 'elbow_joint'?"),
+    (["robot", "puma560", "--at", "1", "2"], "--at", "2 numbers", "JOINT=POSITION"),
+    (["doctor", "nosuch.urdf"], "nosuch.urdf", "URDF", "does not exist"),
+    (["profiles", "septc"], "profile", "septc", "did you mean 'septic'?"),
+    (["size", "cell.yaml", "--catalogue", "nosuch.csv"], "--catalogue", "nosuch.csv", "does not exist"),
+    (["size", "cell.yaml", "--catalogue", "exampel"], "--catalogue", "exampel", "did you mean 'example'?"),
+    (
+        ["size", "cell.yaml", "--catalogue", "log.csv", "log.csv"],
+        "log.csv, row 1",
+        "'mass' is missing",
+        "the header has",
+    ),
+    (["size", "cell.yaml", "--rank", "mass"], "--rank", "", "goes with --catalogue"),
+    (["size", "cell.yaml", "--drives", "nosuch.toml"], "--drives", "nosuch.toml", "does not exist"),
+    (["init", "full"], "full", "not empty", "--force"),
+    (["paper", "--no-png"], "--no-png", "", "goes with --out"),
+    (["ik", "--sort", "up"], "--sort", "'up'", "'manipulability'"),
 ]
 
 
@@ -84,6 +123,18 @@ def test_a_mistake_is_named_with_its_remedy(
     assert err.count("\n") == 1
     for part in (blamed, value, remedy):
         assert part in err, err
+
+
+def test_no_command_is_without_a_mistake() -> None:
+    assert {typed[0] for typed, *_ in MISTAKES} >= set(COMMANDS)
+
+
+def test_a_file_is_named_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It was "--csv nosuch.csv: nosuch.csv: this CSV file does not exist", and an angle of 4e-17 rad was left over."""
+    assert main(["assess", "--csv", str(tmp_path / "nosuch.csv")]) == 2
+    assert capsys.readouterr().err.count("nosuch.csv") == 1
+    assert main(["ik", "--position", "5", "0.1", "0.6"]) == 2
+    assert capsys.readouterr().err.endswith(" m and 0 rad\n")
 
 
 def test_nothing_typed_is_answered_by_the_help(capsys: pytest.CaptureFixture[str]) -> None:

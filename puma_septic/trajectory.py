@@ -189,6 +189,32 @@ class Trajectory:
         """The same motion as part of a longer one: the arm need not be at rest before it and after it."""
         return replace(self, rest_before=False, rest_after=False)
 
+    def stretched(self, factor: float) -> Trajectory:
+        """The same motion, `factor` times as long, from the same instant; what is searched already is taken along.
+
+        Returns
+        -------
+        Trajectory
+        """
+        start = float(self.breaks[0])
+        slower = replace(
+            self, position=self.position.stretched(factor), times=start + (self.times - start) * float(factor)
+        )
+        if "_searched" in self.__dict__:
+            extrema, turns = self._searched
+            scale = np.repeat(float(factor) ** -_ORDERS.ravel(), self.n_joints)
+            moved = Extrema(
+                min=extrema.min * scale,
+                max=extrema.max * scale,
+                t_min=start + (extrema.t_min - start) * factor,
+                t_max=start + (extrema.t_max - start) * factor,
+            )
+            slower.__dict__["_searched"] = moved, tuple(start + (turn - start) * factor for turn in turns)
+            # Travel decides the way of a planned motion; that of a recorded one depends on how long it rests, too.
+            if "direction" in self.__dict__ and not np.any(self.resolution):
+                slower.__dict__["direction"] = self.direction.stretched(factor)
+        return slower
+
     def _part(self, order: int) -> slice:
         """Where `state` holds the derivative of this order."""
         if not isinstance(order, (int, np.integer)) or order not in (0, 1, 2, 3):

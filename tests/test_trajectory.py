@@ -365,3 +365,23 @@ def test_of_many_points_a_picture_marks_both_ends() -> None:
     points = np.linspace(0.0, 1.0, 101)[:, None]
     times, marked = ps.profiles.linear(points, np.arange(101.0)).marked
     assert (times.tolist(), marked.ravel().tolist()) == ([0.0, 100.0], [0.0, 1.0])
+
+
+@pytest.mark.parametrize("factor", [0.3, 1.0, 2.5])
+def test_a_stretched_motion_has_what_a_search_of_its_own_finds(rng: np.random.Generator, factor: float) -> None:
+    """Law: the extrema of derivative r are divided by the factor to the power r, and turns are where they were."""
+    points = rng.uniform(-1, 1, (4, 3))
+    points[:, 1] = 0.2  # at rest
+    move = ps.septic(points, [5.0, 6.0, 8.0, 9.0])
+    untouched = move.stretched(factor)
+    assert not {"_searched", "direction"} & set(untouched.__dict__)
+    assert move.direction.n_components == 3
+    slower = move.stretched(factor)
+    assert {"_searched", "direction"} <= set(slower.__dict__)
+    for order in range(4):
+        found, own = slower.extrema(order), untouched.extrema(order)
+        for name in ("min", "max", "t_min", "t_max"):
+            assert getattr(found, name) == pytest.approx(getattr(own, name), rel=1e-9, abs=1e-9), (order, name)
+    assert slower.direction.breaks == pytest.approx(untouched.direction.breaks, abs=1e-8)
+    assert (slower.direction.coefficients == untouched.direction.coefficients).all()
+    assert slower.duration == pytest.approx(4 * factor)

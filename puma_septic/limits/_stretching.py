@@ -9,7 +9,7 @@ always a help: an arm that brakes on its way up carries less than one that stand
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import final
 
@@ -39,9 +39,7 @@ def stretched(trajectory: Trajectory, factor: float) -> Trajectory:
     -------
     Trajectory
     """
-    k = checked_number("factor", factor, above=0.0)
-    start = trajectory.breaks[0]
-    return replace(trajectory, position=trajectory.position.stretched(k), times=start + (trajectory.times - start) * k)
+    return trajectory.stretched(checked_number("factor", factor, above=0.0))
 
 
 @final

@@ -247,7 +247,9 @@ class PairDemands:
     @property
     def peaks(self) -> PeakBounds:
         """The peaks that take the longest to compute."""
-        voltage = bounds_of_cool_voltage(self.grid, self.table)
+        voltage = exactly(np.full(len(self.table.ratio), np.nan))
+        if not np.isnan(self.limit("drive", "bus_voltage")).all():
+            voltage = bounds_of_cool_voltage(self.grid, self.table)
         return PeakBounds(self.peak_torque, self.peak_power, voltage, self.torque_at_speed)
 
     def _same(self, demand: float) -> Bounds:

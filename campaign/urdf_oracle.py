@@ -144,14 +144,12 @@ def _check_pose(robot: ps.Robot, arm: Arm, bodies: dict[str, Body], rng: np.rand
                 f"place: of link {link!r} at q = {q.tolist()} {T.tolist()}, the text has {moving.place.tolist()}"
             )
     matrix, torque, _, effort = mass_matrix_and_torque(links, bodies)
-    matrix, torque = matrix + np.diag(robot.armature), torque + robot.armature * a
-    effort = effort + robot.armature * np.abs(a)
-    scale = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-    least = np.linalg.eigvalsh(matrix / np.outer(scale, scale))[0]
     if robot.missing_inertia:
-        if least > CLEARLY and (np.diag(matrix) > CLEARLY).all() and not robot.unusable_inertia:
+        if _least(matrix) > CLEARLY and (np.diag(matrix) > CLEARLY).all() and not robot.unusable_inertia:
             raise UnsoundError(f"torque withheld: of {robot.missing_inertia}, though all bodies are sound")
         return
+    matrix, torque = matrix + np.diag(robot.armature), torque + robot.armature * a
+    effort, least = effort + robot.armature * np.abs(a), _least(matrix)
     if not least > 0:
         raise UnsoundError(f"joint-space inertia: not positive definite at q = {q.tolist()}")
     tau = ps.inverse_dynamics(robot, q, v, a, friction=False)
@@ -160,3 +158,9 @@ def _check_pose(robot: ps.Robot, arm: Arm, bodies: dict[str, Body], rng: np.rand
     gained = ps.forward_dynamics(robot, q, v, torque, friction=False)
     if not (np.abs(matrix @ (gained - a)) <= CLOSE * effort / least).all():
         raise UnsoundError(f"acceleration: at q = {q.tolist()} {gained.tolist()}, the text has {a.tolist()}")
+
+
+def _least(matrix: np.ndarray) -> float:
+    """The smallest eigenvalue of the matrix scaled to a unit diagonal."""
+    scale = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    return float(np.linalg.eigvalsh(matrix / np.outer(scale, scale))[0])

@@ -100,9 +100,7 @@ def test_a_joint_of_a_task_that_would_turn_for_ever() -> None:
     """A position of 1e15 rad asked for as many candidates as turns: MemoryError, OverflowError."""
     points = [{"joints": [0.0] * 6}, {"joints": [1e15, 0.0, 0.0, 0.0, 0.0, 0.0]}]
     task = make_task({"name": "a", "points": points, "durations": [1.0], "profiles": ["quintic"]})
-    with pytest.raises(
-        ps.InputError, match=r"a joint would turn 1.59e\+14 times from one to the next; at most 1000"
-    ):
+    with pytest.raises(ps.InputError, match=r"a joint would turn 1.59e\+14 times from one to the next; at most 1000"):
         ps.resolve_task(task)
 
 

@@ -205,7 +205,7 @@ class Verdict:
         }
 
 
-def told(sentence: str, table: tuple[list[str], list[list[Cell]]], notes: Iterable[str]) -> str:
+def told(sentence: str, table: tuple[tuple[str, ...], tuple[tuple[Cell, ...], ...]], notes: Iterable[str]) -> str:
     """What an optimisation found, within 100 columns: a sentence, a table, and notes."""
     parts = ["\n".join(wrap(sentence, 100)), text_table(*table), *("\n".join(wrap(note, 100)) for note in notes)]
     return "\n\n".join(parts)

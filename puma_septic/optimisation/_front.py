@@ -105,7 +105,7 @@ class ParetoFront:
         return f"{self.start.profile}: Pareto front over the via times{limits}"
 
     @property
-    def table(self) -> tuple[list[str], list[list[Cell]]]:
+    def table(self) -> tuple[tuple[str, ...], tuple[tuple[Cell, ...], ...]]:
         """Heads and rows: the via times and the objectives of the given motion and of each point."""
         inner = range(1, len(self.start.times) - 1)
         headers = ["", *(f"t{k} [s]" for k in inner), *(f"{one.name} [{one.unit}]" for one in self.objectives)]
@@ -121,13 +121,13 @@ class ParetoFront:
             headers.append("limits not held")
             not_held = [", ".join(dict.fromkeys(check.quantity for check in one.violations)) for one in self.verdicts]
             rows = [[*row, text] for row, text in zip(rows, ["", *(text or "none" for text in not_held)], strict=True)]
-        return headers, rows
+        return tuple(headers), tuple(map(tuple, rows))
 
     @property
-    def notes(self) -> list[str]:
+    def notes(self) -> tuple[str, ...]:
         """Which limits were respected, and how the front was reached."""
         limits = [f"Limits respected: {', '.join(self.verdicts[0].respected) or 'none'}."] if self.verdicts else []
-        return [*limits, f"Reached: {self.statement}."]
+        return (*limits, f"Reached: {self.statement}.")
 
     def __str__(self) -> str:
         return told(self.sentence, self.table, self.notes)

@@ -135,19 +135,19 @@ class LeastTime:
         )
 
     @property
-    def table(self) -> tuple[list[str], list[list[Cell]]]:
+    def table(self) -> tuple[tuple[str, ...], tuple[tuple[Cell, ...], ...]]:
         """Heads and rows: what each joint uses of each limit."""
         names = self._joint_names()
         rows: list[list[Cell]] = [
             [name, *("--" if np.isnan(column[j]) else f"{100 * column[j]:z.1f} %" for column in self._used().values())]
             for j, name in enumerate(names)
         ]
-        return ["used of the limit", *self._used()], rows
+        return ("used of the limit", *self._used()), tuple(map(tuple, rows))
 
     @property
-    def notes(self) -> list[str]:
+    def notes(self) -> tuple[str, ...]:
         """Which limits were respected, and how the optimum was reached."""
-        return [*([] if self.verdict is None else [self.verdict.sentence]), f"Reached: {self._reached}."]
+        return (*([] if self.verdict is None else [self.verdict.sentence]), f"Reached: {self._reached}.")
 
     def __str__(self) -> str:
         return told(self.sentence, self.table, self.notes)

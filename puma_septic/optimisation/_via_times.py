@@ -120,19 +120,19 @@ class OptimisedTimes:
         return f"{self.start.profile}, {self.objective.name}: {change}"
 
     @property
-    def table(self) -> tuple[list[str], list[list[Cell]]]:
+    def table(self) -> tuple[tuple[str, ...], tuple[tuple[Cell, ...], ...]]:
         """Heads and rows: the times and the objective, as given and at the optimum."""
         headers = ["", *(f"t{k} [s]" for k in range(len(self.times))), f"{self.objective.name} [{self.objective.unit}]"]
         rows: list[list[Cell]] = [
             ["start", *(f"{t:z.4f}" for t in self.start.times), self.start_value],
             ["optimum", *(f"{t:z.4f}" for t in self.times), self.value],
         ]
-        return headers, rows
+        return tuple(headers), tuple(map(tuple, rows))
 
     @property
-    def notes(self) -> list[str]:
+    def notes(self) -> tuple[str, ...]:
         """Which limits were respected, and how the optimum was reached."""
-        return [*([] if self.verdict is None else [self.verdict.sentence]), f"Reached: {self._reached}."]
+        return (*([] if self.verdict is None else [self.verdict.sentence]), f"Reached: {self._reached}.")
 
     def __str__(self) -> str:
         return told(self.sentence, self.table, self.notes)

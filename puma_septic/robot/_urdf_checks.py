@@ -164,6 +164,8 @@ def _checked(text: UrdfText, element: ET.Element, found: list[Finding], moved: C
     """The findings in one link or joint, form first; each part with a fault is taken out of the tree."""
     yield from found
     _leave_out(element, found)
+    if any(one.part is element for one in found):  # a material of the whole robot
+        text.root.remove(element)
     if any(one.stops for one in found):
         return
     more: list[Finding] = []

@@ -48,6 +48,14 @@ def test_digits_reach_pinocchio_as_they_are_read(tmp_path: Path) -> None:
         assert robot.bare_model.inertias[1].mass == float("0.33333333333333331")
 
 
+def test_a_material_of_the_robot_with_a_wrong_colour_is_left_out(tmp_path: Path) -> None:
+    """Shapes whose material is named are drawn all the same."""
+    colour = '<material name="orange"><color rgba="1.0 --1 0.04 1.0"/></material>'
+    robot = load(tmp_path, replaced('<link name="base"/>', f'{colour}<link name="base"/>'))
+    assert any("rgba='1.0 --1 0.04 1.0'" in note and "material is left out" in note for note in robot.notes)
+    assert torque(robot) == torque(load(tmp_path))
+
+
 LIES: dict[str, tuple[Callable[[pin.Model], None], str]] = {
     "mass": (lambda model: setattr(model.inertias[1], "mass", 2.0), "a mass .* 2 instead of 3 "),
     "centre": (

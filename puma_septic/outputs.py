@@ -102,7 +102,7 @@ def new_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
     target = _checked(Path(path), overwrite=overwrite)
     exists = target.is_dir()
     try:
-        with _unfinished(target if exists else target.parent, is_folder=True) as partial:
+        with _unfinished(_workshop(target), is_folder=True) as partial:
             yield partial
             for item in partial.rglob("*"):
                 _to_disk(item)
@@ -155,6 +155,13 @@ def _checked(path: Path, *, overwrite: bool) -> Path:
             raise
         raise InputError(f"cannot write the folder {str(path)!r}: {error}") from error
     return target
+
+
+def _workshop(target: Path) -> Path:
+    """Where a folder is written before it is moved: beside it, but inside a mount point or where only it is ours."""
+    beside = target.parent
+    is_near = not target.is_dir() or (beside.stat().st_dev == target.stat().st_dev and os.access(beside, os.W_OK))
+    return beside if is_near else target
 
 
 def _is_filled(folder: Path) -> bool:

@@ -163,15 +163,10 @@ def test_a_folder_whose_parent_is_not_ours_can_be_filled(tmp_path: Path, monkeyp
     """A mount point, as ``docker -v`` makes: nothing can be renamed onto it, and beside it is another disk."""
     target = tmp_path / "mounted"
     target.mkdir()
-    real = Path.mkdir
-
-    def mkdir(path: Path, *rest: Any, **options: Any) -> None:
-        if path.parent == tmp_path:
-            raise PermissionError(errno.EACCES, "Permission denied")
-        real(path, *rest, **options)
-
-    monkeypatch.setattr(Path, "mkdir", mkdir)
+    real = os.access
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != tmp_path and real(path, mode))
     with new_folder(target) as folder:
+        assert folder.parent == target
         (folder / "a.txt").write_text("a")
     assert left_in(target) == ["a.txt"]
 

@@ -103,7 +103,13 @@ def freeze_fields(value: Any) -> None:
 
 
 def checked_array(
-    name: str, value: ArrayLike, shape: Sequence[int | None] | None, *, unit: str = "", allow_nan: bool = False
+    name: str,
+    value: ArrayLike,
+    shape: Sequence[int | None] | None,
+    *,
+    unit: str = "",
+    allow_nan: bool = False,
+    largest: float = LARGEST,
 ) -> Array:
     """Return `value` as a read-only float64 copy of the given shape.
 
@@ -117,6 +123,8 @@ def checked_array(
         Unit named in the message.
     allow_nan : bool
         Accept NaN as "unknown" (limits); infinities are refused in any case.
+    largest : float
+        Magnitude up to which a number is accepted.
 
     Raises
     ------
@@ -126,12 +134,12 @@ def checked_array(
     array = read_only(numbers(name, value, shape))
     if shape is not None and not _fits(array.shape, shape):
         raise InputError(f"{name}: shape {array.shape} is not {_describe(shape)}")
-    valid = ~np.isinf(array) if allow_nan else np.abs(array) <= LARGEST
+    valid = ~np.isinf(array) if allow_nan else np.abs(array) <= largest
     if np.count_nonzero(valid) < valid.size:
         index = tuple(int(i) for i in np.argwhere(~valid)[0])
         where = f"[{', '.join(map(str, index))}]" if index else ""
         suffix = f" {unit}" if unit else ""
-        why = f"beyond {LARGEST:g}, as no quantity of an arm is" if np.isfinite(array[index]) else "not a finite number"
+        why = f"beyond {largest:g}, as no quantity of an arm is" if np.isfinite(array[index]) else "not a finite number"
         raise InputError(f"{name}{where} = {float(array[index])}{suffix} is {why}")
     return array
 

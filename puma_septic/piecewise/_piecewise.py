@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import ClassVar, final
 
 import numpy as np
@@ -19,6 +20,8 @@ from puma_septic.validation import Array, checked_array, checked_times, frozen, 
 
 __all__ = ["Piecewise"]
 
+# Series are mathematics: a step of a solver may be larger than any quantity of an arm.
+_checked = partial(checked_array, largest=np.finfo(np.float64).max)
 # Two times closer than this part of the span are one: a few hundred roundings of its length.
 _SAME_TIME = 1e-13
 # An integral below this part of what the coefficients could make it is rounding, and has no sign.
@@ -62,7 +65,7 @@ class Piecewise:
 
     def __post_init__(self) -> None:
         breaks = _checked_breaks(self.breaks)
-        coefficients = checked_array("coefficients", self.coefficients, (None, len(breaks) - 1, None))
+        coefficients = _checked("coefficients", self.coefficients, (None, len(breaks) - 1, None))
         if not coefficients.size:
             raise InputError(f"coefficients: at least one per interval and component, got {coefficients.shape}")
         object.__setattr__(self, "breaks", breaks)
@@ -96,7 +99,7 @@ class Piecewise:
         powers : array_like, shape (degree + 1, n, m)
             ``powers[k, i, j]`` multiplies ``s**k`` on interval i in component j.
         """
-        checked = checked_array("powers", powers, (None, None, None))
+        checked = _checked("powers", powers, (None, None, None))
         matrix = matrices.from_power_matrix(len(checked) - 1)
         return cls(breaks=breaks, coefficients=_apply(matrix, checked))  # type: ignore[arg-type]
 
@@ -184,7 +187,7 @@ class Piecewise:
     @classmethod
     def constant(cls, values: ArrayLike, duration: float, *, start: float = 0.0) -> Piecewise:
         """The function that has the values, shape (m,), all the time."""
-        values = checked_array("values", values, (None,))
+        values = _checked("values", values, (None,))
         return cls(breaks=np.array([start, start + duration]), coefficients=values[None, None])
 
     @classmethod
@@ -233,7 +236,7 @@ class Piecewise:
 
     def combined(self, matrix: ArrayLike) -> Piecewise:
         """Linear combinations of the components, ``f(t) @ matrix`` with a matrix of shape (m, p)."""
-        return self._with(self.coefficients @ checked_array("matrix", matrix, (self.n_components, None)))
+        return self._with(self.coefficients @ _checked("matrix", matrix, (self.n_components, None)))
 
     def by_interval(self, factors: ArrayLike) -> Piecewise:
         """The function times a factor on each interval, shape (n,) or (n, m)."""
@@ -420,7 +423,7 @@ class Piecewise:
 
     def split(self, times: ArrayLike) -> Piecewise:
         """The same function with further breaks; times outside the span or at a break change nothing."""
-        return self._split_offsets([checked_array("times", np.ravel(times), (None,), unit="s") - self.start])
+        return self._split_offsets([_checked("times", np.ravel(times), (None,), unit="s") - self.start])
 
     def _split_offsets(self, offsets: Sequence[Array]) -> Piecewise:
         """`split`, at times from the start."""
@@ -445,7 +448,7 @@ class Piecewise:
         """The sum, componentwise, with a function or with a constant of shape () or (m,)."""
         if not isinstance(other, Piecewise):
             moved = self.coefficients.copy()
-            moved[0] += checked_array("constant", other, () if n_dimensions(other) == 0 else (self.n_components,))
+            moved[0] += _checked("constant", other, () if n_dimensions(other) == 0 else (self.n_components,))
             return self._with(moved)
         f, g = _aligned(self, other)
         if f.degree < g.degree:
@@ -460,7 +463,7 @@ class Piecewise:
     def __mul__(self, other: Piecewise | ArrayLike) -> Piecewise:
         """The product, componentwise, with a function or with a constant of shape () or (m,)."""
         if not isinstance(other, Piecewise):
-            factor = checked_array("factor", other, () if n_dimensions(other) == 0 else (self.n_components,))
+            factor = _checked("factor", other, () if n_dimensions(other) == 0 else (self.n_components,))
             return self._with(self.coefficients * factor)
         f, g = _aligned(self, other)
         degree = f.degree + g.degree

@@ -86,3 +86,32 @@ def test_no_minus_stands_before_a_rounded_zero() -> None:
         for match in re.findall(r"\{[^{}]*:[+ ]?[0-9]*\.(?:\d|\{[^{}]*\})f\}", path.read_text(encoding="utf-8"))
     ]
     assert found == []
+
+
+_WITHOUT_EXTRAS = """
+import sys
+
+EXTRAS = {"pyarrow", "duckdb", "dask", "distributed", "pandas", "rosbags", "toppra", "copp"}
+
+class Missing:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in EXTRAS:
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+sys.meta_path.insert(0, Missing())
+from puma_septic.cli import COMMANDS, main
+assert all(main([name, "--help"]) == 0 for name in COMMANDS)
+task = ["paper-turned", "--profile", "septic", "--no-png", "--out"]
+for typed in (["assess"], ["limits"], ["compare"], ["size"], ["optimise", "--restarts", "0"], ["execute"]):
+    assert main([typed[0], *task, typed[0], *typed[1:]]) == 0, typed
+result = True
+"""
+
+
+@pytest.mark.slow
+def test_every_report_is_written_without_the_extras(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a plain installation each `--out` ended with "a study needs the packages pyarrow and duckdb"."""
+    monkeypatch.chdir(tmp_path)
+    run = subprocess.run([sys.executable, "-c", _WITHOUT_EXTRAS], capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    assert len(list(tmp_path.glob("*/report.html"))) == 6

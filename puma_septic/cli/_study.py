@@ -86,7 +86,7 @@ def _summarised(arguments: Namespace, folder: str) -> Answer:
 
 
 def _plotted(arguments: Namespace, folder: Path) -> Answer:
-    from puma_septic.pictures.limits import map_picture
+    from puma_septic.pictures.study import map_picture
     from puma_septic.report.svg import write_svg
     from puma_septic.study import study_map
 

@@ -88,7 +88,7 @@ MISTAKES = [
     (
         ["size", "cell.yaml", "--catalogue", "log.csv", "log.csv"],
         "log.csv, row 1",
-        "'mass' is missing",
+        "'key' is missing",
         "the header has",
     ),
     (["size", "cell.yaml", "--rank", "mass"], "--rank", "", "goes with --catalogue"),

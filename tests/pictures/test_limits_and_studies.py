@@ -8,7 +8,8 @@ import pytest
 import puma_septic as ps
 from puma_septic import plots
 from puma_septic.limits import MotionLimits
-from puma_septic.pictures.limits import map_picture, payload_picture
+from puma_septic.pictures.limits import payload_picture
+from puma_septic.pictures.study import map_picture
 from puma_septic.study import StudyMap
 
 

@@ -45,7 +45,9 @@ def _text(arguments: Namespace, resolved: ResolvedCycle, assessed: CycleAssessme
         parts.append(_margin(assessed, arguments.margin))
     if not arguments.verbose:
         unknown = document["whole"]["not_assessed"]
-        told = [f"Not assessed: {'; '.join(unknown)}"] if unknown else []
+        doubts = document["whole"]["doubts"]
+        told = [f"Doubtful data: {'; '.join(doubts)}."] if doubts else []
+        told += [f"Not assessed: {'; '.join(unknown)}"] if unknown else []
         more = "More: -v shows the motion that governs in full, -vv all motions."
         return "\n\n".join([*parts, "\n".join(map(wrapped, [*told, more]))])
     for k in assessed.order if arguments.verbose > 1 else assessed.order[:1]:

@@ -140,3 +140,12 @@ def test_size_takes_the_cycle_as_it_is(capsys: pytest.CaptureFixture[str]) -> No
         "Task 'paper-straight': move 2 s with 1 kg, move 4 s with 1 kg, move 3 s with 1 kg, move 3 s with 0 kg" in told
     )
     assert "cycle of 6 steps, 18 s, repeats" in told
+
+
+def test_what_a_doubtful_verdict_rests_on_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The first line said "on doubtful data, see the remarks", and there were none without -v."""
+    assert main(["init", str(tmp_path / "cell")]) == 0
+    capsys.readouterr()
+    assert main(["assess", str(tmp_path / "cell" / "cell.yaml")]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "Doubtful data: doubtful torque: radius of gyration too large: wrist_1_link" in text

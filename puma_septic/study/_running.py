@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import threading
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -30,7 +31,9 @@ Progress = Callable[[int, int], None]
 # Chunks that are asked for ahead of each worker: what is held at once does not grow with the study.
 _AHEAD: Final = 2
 _CONNECT_SECONDS: Final = 10
-_MOST_LOST: Final = 100
+# How often a chunk is asked for again after the scheduler gave it up, each time after four lost workers (its setting
+# distributed.scheduler.allowed-failures).
+_MOST_LOST: Final = 25
 
 
 @final
@@ -189,15 +192,33 @@ def _by_cluster(study: Study, chunks: list[int], n_joints: int, scheduler: str) 
         raise InputError(f"scheduler {scheduler!r}: no Dask scheduler answers there: {error}") from error
     with client:
         threads = max(1, sum(client.nthreads().values()))
-        waiting = iter(chunks)
-        # A worker that is lost is replaced by another, as often as it takes: no chunk is to blame for it.
+        waiting, asked, lost = iter(chunks), dict[str, int](), Counter[int]()
 
         def ask(k: int) -> Any:
-            return client.submit(chunk_bytes, study, k, n_joints, pure=False, retries=_MOST_LOST)
+            future = client.submit(chunk_bytes, study, k, n_joints, pure=False)
+            asked[future.key] = k
+            return future
 
         results = distributed.as_completed([ask(k) for k in islice(waiting, _AHEAD * threads)])
         for future in results:
-            yield future.result()
-            future.release()
-            for k in islice(waiting, 1):
+            k = asked.pop(future.key)
+            # The scheduler gives up a task whose workers were lost a few times; no chunk is to blame for it.
+            if isinstance(future.exception(), distributed.KilledWorker) and lost[k] < _MOST_LOST:
+                lost[k] += 1
                 results.add(ask(k))
+                continue
+            yield _from_worker(future, k, distributed.KilledWorker)
+            future.release()
+            for following in islice(waiting, 1):
+                results.add(ask(following))
+
+
+def _from_worker(future: Any, k: int, lost: type[Exception]) -> tuple[int, bytes]:
+    try:
+        chunk: tuple[int, bytes] = future.result()
+    except lost as error:
+        raise InputError(
+            f"chunk {k} of the study: every worker that computes it is lost, {_MOST_LOST} times over; has it the memory"
+            " that a chunk needs?"
+        ) from error
+    return chunk

@@ -11,6 +11,7 @@ one exceeds in acceleration, torque and velocity at once cannot be the largest f
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final
@@ -201,9 +202,23 @@ def _both_fronts(points: Array, kind: Array) -> NDArray[np.int64]:
 
 
 def _front(points: Array) -> NDArray[np.int64]:
-    """Indices of the rows that no other row equals or exceeds in every column."""
-    kept, left = [], np.argsort(-points.sum(axis=1), kind="stable")
-    while len(left):
-        kept.append(left[0])
-        left = left[(points[left] > points[left[0]]).any(axis=1)]
+    """Indices of the rows that no other row equals or exceeds in every column.
+
+    In falling order of the first column a row is kept where none before it is as large in the other two: those form a
+    staircase, rising in the second column and falling in the third, in which one place decides.
+    """
+    kept: list[int] = []
+    second: list[float] = []
+    third: list[float] = []
+    order = np.lexsort(-points.T[::-1])
+    for k, y, z in zip(order.tolist(), *points[order, 1:].T.tolist(), strict=True):
+        at = bisect_left(second, y)
+        if at < len(second) and third[at] >= z:
+            continue
+        first = at
+        while first and third[first - 1] <= z:
+            first -= 1
+        last = at + 1 if at < len(second) and second[at] == y else at
+        second[first:last], third[first:last] = [y], [z]
+        kept.append(k)
     return np.array(kept)

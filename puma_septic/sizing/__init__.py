@@ -10,10 +10,11 @@ from puma_septic.sizing._front import ArmChoice, front_document
 from puma_septic.sizing._gearbox import allowed_momentary_peaks, average_torque
 from puma_septic.sizing._joint_selection import JointSelection
 from puma_septic.sizing._load_cases import LoadCase
+from puma_septic.sizing._load_profiles import LoadProfile, MotorLoadProfile
 from puma_septic.sizing._loads import JointLoad, MotorLoad, gearbox_load, joint_load, motor_load
 from puma_septic.sizing._ratios import LoadMoments, RatioWindow, accelerating_factor, load_moments, ratio_window
 from puma_septic.sizing._reserves import Reserve, largest_payload, least_cycle_time
-from puma_septic.sizing._result import LoadProfile, MotorLoadProfile, Sizing
+from puma_septic.sizing._result import Sizing
 from puma_septic.sizing._selection import Selection
 from puma_septic.sizing._size import size
 from puma_septic.sizing._supply import SupplyLoad, supply_load

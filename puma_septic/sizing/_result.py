@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import pairwise, starmap
+from itertools import starmap
 from typing import Any, final
 
 import numpy as np
@@ -33,66 +33,14 @@ from puma_septic.sizing._load_cases import (
     with_brakes,
     worst_outcome,
 )
+from puma_septic.sizing._load_profiles import LoadProfile, MotorLoadProfile, sampled_load, sampled_motor
 from puma_septic.sizing._supply import SUPPLY, SupplyLoad, supply_load
 from puma_septic.sizing._unknowns import unknowns
-from puma_septic.validation import Array, FrozenMap, checked_choice, checked_number
+from puma_septic.validation import FrozenMap, checked_choice
 from puma_septic.views import sizing as view
 from puma_septic.views.checks import verdict
 
-__all__ = ["LoadProfile", "MotorLoadProfile", "Sizing", "case_document", "sized"]
-
-_RPM = 60 / (2 * np.pi)
-# A torque that differs on the two sides of an instant by less than this part of its largest does not step there.
-_STEP = 1e-9
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class MotorLoadProfile:
-    """One motor's load as samples, the form that the design tools of motor makers read.
-
-    Attributes
-    ----------
-    joint : str
-    time : ndarray, shape (n,)
-        s. Reversals, changes between motoring and braking and the ends of steps are among them; where the torque steps,
-        the value after the step.
-    speed_rpm, torque : ndarray, shape (n,)
-        1/min and N m at the shaft, in the joint's direction.
-    """
-
-    joint: str
-    time: Array
-    speed_rpm: Array
-    torque: Array
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class LoadProfile:
-    """One joint's load at the gearbox's output as samples, without rotor, gears and friction.
-
-    The form in which the tools of motor makers ask for a load, which add their own motor and gears to it.
-
-    Attributes
-    ----------
-    joint : str
-    is_prismatic : bool
-        Then m, m/s, N and kg.
-    time : ndarray, shape (n,)
-        s. Reversals and the ends of steps are among them; where the torque steps, one instant is there twice, before
-        and after.
-    position, speed, torque, inertia : ndarray, shape (n,)
-        rad, rad/s, N m, and ``M_jj`` in kg m^2.
-    """
-
-    joint: str
-    is_prismatic: bool
-    time: Array
-    position: Array
-    speed: Array
-    torque: Array
-    inertia: Array
+__all__ = ["Sizing", "case_document", "sized"]
 
 
 @final
@@ -274,14 +222,7 @@ class Sizing:
             Longest time between samples, s.
         """
         motor = self.demands[self.cycle.joint_names.index(checked_choice("joint", joint, self.cycle.joint_names))].motor
-        step = checked_number("step", step, unit="s", above=0.0)
-        breaks = motor.torque.breaks
-        counts = np.maximum(1, np.ceil(np.diff(breaks) / step - 1e-9)).astype(int)
-        parts = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(breaks[:-1], breaks[1:], counts, strict=True)]
-        time = np.concatenate([*parts, breaks[-1:]])
-        return MotorLoadProfile(
-            joint=joint, time=time, speed_rpm=motor.speed(time)[:, 0] * _RPM, torque=motor.torque(time)[:, 0]
-        )
+        return sampled_motor(joint, motor, step=step)
 
     def load_profile(self, joint: str, *, step: float = 0.01) -> LoadProfile:
         """One joint's load as samples, for the design tools of motor makers.
@@ -295,29 +236,9 @@ class Sizing:
             Longest time between samples, s.
         """
         j = self.cycle.joint_names.index(checked_choice("joint", joint, self.cycle.joint_names))
-        step = checked_number("step", step, unit="s", above=0.0)
-        load = self.demands[j].load
         name = self.telling_cases[j]
         cycle = next(c.cycle for c in self.load_cases if c.name == name and (not c.joints or joint in c.joints))
-        left, right = load.torque.ends()
-        parts = []
-        for k, (start, end) in enumerate(pairwise(load.torque.breaks.tolist())):
-            inner = np.linspace(start, end, max(1, int(np.ceil((end - start) / step - 1e-9))) + 1)[1:-1]
-            torque = [left[k, 0], *load.torque(inner)[:, 0], right[k, 0]]
-            parts.append(np.column_stack([[start, *inner, end], torque]))
-        time, torques = np.concatenate(parts).T
-        steps = np.abs(np.diff(torques)) > _STEP * np.abs(torques).max()
-        is_new = np.append(True, (np.diff(time) > 0) | steps)
-        time, torques = time[is_new], torques[is_new]
-        return LoadProfile(
-            joint=joint,
-            is_prismatic=load.is_prismatic,
-            time=time,
-            position=cycle.trajectory(time)[:, j],
-            speed=load.velocity(time)[:, 0],
-            torque=torques,
-            inertia=load.inertia(time)[:, 0],
-        )
+        return sampled_load(self.demands[j].load, cycle.trajectory, j, step=step)
 
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready document; SI units unless a name says otherwise, "unbounded" for infinity, null for unknown."""

@@ -26,7 +26,7 @@ columns; 100 where it goes into a file), in colour unless `NO_COLOR` is set (`FO
 | 2 | bad input |
 | 3 | undecided: the units of a motion, or the noise of a recorded one, leave it open |
 | 70 | a fault of the program, never a verdict |
-| 130 | interrupted |
+| 130, 143, 129 | interrupted (Ctrl-C), terminated, hung up: nothing half written is left |
 """
 
 

@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from campaign.outputs import OUTPUTS, Output, contents, ended, faults_of, in_a_child, inputs, timed
+from campaign.outputs import OUTPUTS, Output, contents, ended, faults_of, in_a_child, inputs, left_in, timed
 from campaign.rules import message_faults
 
 _FILLED: Final = (
@@ -62,7 +62,7 @@ def _limit(size: int) -> None:
 def _judged(target: Path, code: int, *, has_old: bool) -> tuple[str, list[str]]:
     wrong = faults_of(target)
     told = Path("stderr.txt").read_text(errors="replace")
-    if left := sorted(path.name for path in target.parent.iterdir() if path != target and path.name != "lost+found"):
+    if left := left_in(target):
         wrong.append(f"left over: {left}")
     if code in (0, 1):
         return "written", wrong

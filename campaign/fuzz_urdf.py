@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 import zlib
+from copy import deepcopy
 from pathlib import Path
 from typing import Final
 
@@ -109,7 +110,7 @@ def _element(rng: Rng, root: ET.Element) -> None:
     if way == 0:
         parent.remove(child)
     elif way == 1:
-        parent.insert(int(rng.integers(len(parent) + 1)), ET.fromstring(ET.tostring(child)))
+        parent.insert(int(rng.integers(len(parent) + 1)), deepcopy(child))
     elif way == 2:
         child.tag = misspelt(rng, child.tag.rpartition("}")[2]) or "x"
     elif way == 3:

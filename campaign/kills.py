@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from campaign.outputs import OUTPUTS, Output, contents, ended, faults_of, in_a_child, inputs, timed
+from campaign.outputs import OUTPUTS, Output, contents, ended, faults_of, in_a_child, inputs, left_in, timed
 
 BEFORE: Final = ("nothing", "empty folder", "older result")
 _IN_A_ROW: Final = 5  # kills of one command in one folder, before it is let run to its end
@@ -60,8 +60,9 @@ def _row(one: Output, before: str, shares: np.ndarray, found: Counter[str]) -> l
 
 def _killed(one: Output, target: Path, seconds: float, names: set[str]) -> str:
     """What lies under the name after a run that was killed so many seconds after its start."""
+    more = _again(one, target)
     old = contents(target)
-    child = in_a_child(lambda: one.run(target, *_again(one, target)))
+    child = in_a_child(lambda: one.run(target, *more))
     time.sleep(seconds)
     if os.waitid(os.P_PID, child, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None:
         os.killpg(child, signal.SIGKILL)
@@ -82,7 +83,7 @@ def _next_run(one: Output, target: Path, names: set[str]) -> list[str]:
     if code not in (0, 1) or (not one.resumes and set(contents(target)) != names):
         told = Path("stderr.txt").read_text(errors="replace")[:300]
         wrong.append(f"the next run ends with {code} and {sorted(contents(target))}: {told}")
-    if left := sorted(path.name for path in target.parent.iterdir() if path != target):
+    if left := left_in(target):
         wrong.append(f"left over after the next run: {left}")
     return wrong
 

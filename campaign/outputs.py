@@ -89,16 +89,29 @@ def fault_of(path: Path) -> str:
     return ""
 
 
+def _is_shown(path: Path, target: Path) -> bool:
+    """A study's lock is empty, and what is hidden is not finished."""
+    name = str(path.relative_to(target))
+    return name != "lock" and not name.startswith(".")
+
+
 def contents(target: Path) -> dict[str, bytes]:
-    """Names and bytes of what lies under a name; nothing where there is nothing."""
+    """Names and bytes of what lies under a name; hidden folders are left out, see `left_in`."""
     if target.is_file():
         return {"": target.read_bytes()}
     found = sorted(target.rglob("*")) if target.is_dir() else []
-    return {str(path.relative_to(target)): path.read_bytes() for path in found if path.is_file()}
+    names = {path: str(path.relative_to(target)) for path in found if path.is_file()}
+    return {name: path.read_bytes() for path, name in names.items() if not name.startswith(".")}
+
+
+def left_in(target: Path) -> list[str]:
+    """Hidden names beside a result and in it, which are a killed run's until the next run."""
+    beside = [path.name for path in target.parent.iterdir() if path.name not in (target.name, "lost+found")]
+    return sorted([*beside, *(path.name for path in target.glob(".*"))])
 
 
 def faults_of(target: Path) -> list[str]:
-    inside = [path for path in target.rglob("*") if path.is_file() and path.name != "lock"]  # which is empty
+    inside = [path for path in target.rglob("*") if path.is_file() and _is_shown(path, target)]
     files = [target] if target.is_file() else inside
     return [fault for path in files if (fault := fault_of(path))]
 

@@ -51,6 +51,17 @@ def test_compare_takes_the_tasks_options(capsys: pytest.CaptureFixture[str]) -> 
     assert "trapezoidal" not in text
 
 
+def test_compare_sets_the_gap_beside_each_profile(capsys: pytest.CaptureFixture[str]) -> None:
+    """The least duration of each, over that of the quickest motion along its path; without --reference neither."""
+    arguments = ["compare", "paper-turned", "--profile", "quintic"]
+    text = printed([*arguments, "--reference"], capsys)
+    assert any(line.rstrip().endswith("gap") for line in text.splitlines())
+    assert max(map(len, text.splitlines())) <= 100
+    gap = json.loads(printed([*arguments, "--reference", "--format", "json"], capsys))["profiles"][0]["gap"]
+    assert gap["ratio"] == gap["least_duration"] / gap["reference_duration"] > 1
+    assert "gap" not in json.loads(printed([*arguments, "--format", "json"], capsys))["profiles"][0]
+
+
 def test_compare_writes_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     target = tmp_path / "out"
     arguments = ["compare", "--profile", "septic", "--profile", "quintic", "--objective", "peak_jerk"]

@@ -16,7 +16,7 @@ from puma_septic.sizing._loads import JointLoad
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array
 
-__all__ = ["holding_torque", "stop_energy", "worst_stops"]
+__all__ = ["holding_torque", "standing_torque", "stop_energy", "worst_stops"]
 
 
 def holding_torque(load: JointLoad, ratio: float) -> tuple[float, float]:
@@ -29,6 +29,19 @@ def holding_torque(load: JointLoad, ratio: float) -> tuple[float, float]:
     tuple of float
     """
     found = load.gravity.extrema()
+    return float(found.peak[0]) / ratio, float(found.t_peak[0])
+
+
+def standing_torque(load: JointLoad, ratio: float) -> tuple[float, float]:
+    """Largest torque at the motor while its joint stands without a brake, N m, and its instant, s.
+
+    At rest the gears lose nothing.
+
+    Returns
+    -------
+    tuple of float
+    """
+    found = load.torque.by_interval((load.velocity_sign == 0) & ~load.braked).extrema()
     return float(found.peak[0]) / ratio, float(found.t_peak[0])
 
 

@@ -12,20 +12,13 @@ import numpy as np
 from puma_septic.drives import Drivetrain
 from puma_septic.piecewise import Piecewise
 from puma_septic.sizing._bearing import BearingLoad, bearing_load
-from puma_septic.sizing._brake import holding_torque, stop_energy
+from puma_septic.sizing._brake import holding_torque, standing_torque, stop_energy
 from puma_septic.sizing._electric_motor import ElectricMotor
-from puma_septic.sizing._gearbox import (
-    RULES,
-    GearRule,
-    allowed_rare_peaks,
-    average_load_torque,
-    expected_life,
-    lives,
-)
-from puma_septic.sizing._loads import JointLoad, MotorLoad, torque_by_cause
+from puma_septic.sizing._gearbox import RULES, GearRule, allowed_rare_peaks, average_load_torque, expected_life, lives
+from puma_septic.sizing._loads import JointLoad, MotorLoad, inertia_ratio, torque_by_cause
 from puma_septic.sizing._torque_speed import torque_at_speed
-from puma_septic.sizing._winding import Regeneration, energies, regeneration
-from puma_septic.validation import Array, FrozenMap, frozen
+from puma_septic.sizing._winding import Regeneration, both_signs, energies
+from puma_septic.validation import Array, FrozenMap
 
 __all__ = ["Demands", "Peak"]
 
@@ -165,17 +158,8 @@ class Demands:
 
     @cached_property
     def inertia_ratio(self) -> Peak:
-        """Largest inertia of load and gears at the motor over the rotor's, its brake's with it.
-
-        So the makers of motors count, as Yaskawa, Sigma-V manual E-V-MD, p. 2-5: ``J_L = J_L1 + J_B + J_G``. An unknown
-        inertia of the brake counts as 0, as in the torque: the ratio is then no smaller than the true one.
-        """
-        rotor = self.train.motor.rotor_inertia + float(np.nan_to_num(self.train.brake_inertia))
-        if not rotor > 0:
-            return _UNKNOWN
-        found = self.load.inertia.extrema()
-        driven = float(found.max[0]) / self.train.ratio**2 + float(np.nan_to_num(self.train.gearbox.inertia))
-        return Peak(driven / rotor, float(found.t_max[0]))
+        """Largest inertia of load and gears at the motor over the rotor's, its brake's with it."""
+        return Peak(*inertia_ratio(self.load, self.train))
 
     @cached_property
     def electric(self) -> ElectricMotor:
@@ -241,32 +225,27 @@ class Demands:
     @cached_property
     def work(self) -> tuple[float, float]:
         """Mechanical energy that the motor gives and takes back over the cycle, J."""
-        return _both_signs(energies(self.motor.power))
+        return both_signs(energies(self.motor.power))
 
-    @cached_property
+    @property
     def electric_flows(self) -> Array | None:
         """Electric energy of each stretch in which it is drawn (positive) or returned, J; None where unknown."""
-        return None if self.electric_power is None else frozen(energies(self.electric_power))
+        return self.electric.flows
 
     @cached_property
     def electric_energy(self) -> tuple[float, float]:
         """Electric energy drawn and returned over the cycle, J."""
-        return (np.nan, np.nan) if self.electric_flows is None else _both_signs(self.electric_flows)
+        return (np.nan, np.nan) if self.electric_flows is None else both_signs(self.electric_flows)
 
     @property
     def mean_drawn_power(self) -> float:
         """Electric power drawn, on average over the cycle, W."""
         return np.inf if self.electric.is_unbounded else self.electric_energy[0] / self.load.duration
 
-    @cached_property
+    @property
     def regeneration(self) -> Regeneration:
         """What the bus must take up or burn; a bus of unknown capacity is taken to have none."""
-        if self.electric_flows is None:
-            return Regeneration(stored=np.nan, braked=np.nan)
-        if self.electric.is_unbounded:
-            return Regeneration(stored=np.inf, braked=np.inf)
-        storable = float(np.nan_to_num(self.train.drive.storable_energy))
-        return regeneration(self.electric_flows, storable=storable, periodic=not self.load.why_not_periodic)
+        return self.electric.regeneration
 
     @property
     def stored_energy(self) -> float:
@@ -301,20 +280,12 @@ class Demands:
     @property
     def bare_thermal_resistance(self) -> float:
         """Of a motor whose time constants are not known, K/W; NaN of any other, and where the cycle does not repeat."""
-        motor = self.train.motor
-        is_bare = len(motor.thermal_resistances) and not len(motor.thermal_time_constants)
-        return float(motor.thermal_resistances.sum()) if is_bare and not self.load.why_not_periodic else np.nan
+        return self.electric.bare_thermal_resistance
 
     @property
     def mean_temperature_rise(self) -> float:
-        """Of the winding over ambient at least, K: that of the winding at ambient temperature, which warms no more.
-
-        In the steady cycle as much heat leaves as comes in, whatever the time constants.
-        """
-        motor = self.train.motor
-        current = self.rms_current * motor.torque_constant / motor.dc_torque_constant
-        growth = 1 + motor.copper_coefficient * (self.train.ambient_celsius - motor.reference_celsius)
-        return self.bare_thermal_resistance * motor.dc_resistance * growth * current**2
+        """Of the winding over ambient at least, K, see `ElectricMotor.mean_temperature_rise`."""
+        return self.electric.mean_temperature_rise(self.rms_current)
 
     @property
     def max_temperature_rise(self) -> float:
@@ -376,9 +347,7 @@ class Demands:
     @property
     def standing_torque(self) -> Peak:
         """Of the motor while its joint stands without a brake, N m."""
-        stands = (self.load.velocity_sign == 0) & ~self.load.braked
-        found = self.load.torque.by_interval(stands).extrema()
-        return Peak(float(found.peak[0]) / self.train.ratio, float(found.t_peak[0]))
+        return Peak(*standing_torque(self.load, self.train.ratio))
 
     @property
     def stands_loaded(self) -> float:
@@ -472,7 +441,3 @@ class Demands:
             return self._unbounded
         found = (power * sign).extrema()
         return Peak(max(float(found.max[0]), 0.0), float(found.t_max[0]))
-
-
-def _both_signs(flows: Array) -> tuple[float, float]:
-    return float(np.maximum(flows, 0.0).sum()), float(np.maximum(-flows, 0.0).sum())

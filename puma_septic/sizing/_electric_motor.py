@@ -13,7 +13,8 @@ from puma_septic.errors import NoSolution, PumaSepticError
 from puma_septic.piecewise import Piecewise
 from puma_septic.sizing._loads import JointLoad, MotorLoad
 from puma_septic.sizing._thermal import steady_cycle, thermal_equation
-from puma_septic.sizing._winding import Winding, electric_power
+from puma_septic.sizing._winding import Regeneration, Winding, electric_power, energies, regeneration
+from puma_septic.validation import Array, frozen
 
 __all__ = ["ElectricMotor"]
 
@@ -172,6 +173,43 @@ class ElectricMotor:
     def power(self) -> Piecewise:
         """At the motor's terminals, W."""
         return electric_power(self.motor.power, self.current_squared, self.resistance)
+
+    @cached_property
+    def flows(self) -> Array | None:
+        """Energy of each stretch in which it is drawn (positive) or returned, J; None where unknown."""
+        return frozen(energies(self.power)) if self.is_known else None
+
+    @cached_property
+    def regeneration(self) -> Regeneration:
+        """What the bus must take up or burn; a bus of unknown capacity is taken to have none."""
+        if self.flows is None:
+            return Regeneration(stored=np.nan, braked=np.nan)
+        if self.is_unbounded:
+            return Regeneration(stored=np.inf, braked=np.inf)
+        storable = float(np.nan_to_num(self.train.drive.storable_energy))
+        return regeneration(self.flows, storable=storable, periodic=not self.load.why_not_periodic)
+
+    @property
+    def bare_thermal_resistance(self) -> float:
+        """Of a motor whose time constants are not known, K/W; NaN of any other, and where the cycle does not repeat."""
+        motor = self.train.motor
+        is_bare = len(motor.thermal_resistances) and not len(motor.thermal_time_constants)
+        return float(motor.thermal_resistances.sum()) if is_bare and not self.load.why_not_periodic else np.nan
+
+    def mean_temperature_rise(self, rms_current: float) -> float:
+        """Of the winding over ambient at least, K: that of the winding at ambient temperature, which warms no more.
+
+        In the steady cycle as much heat leaves as comes in, whatever the time constants.
+
+        Parameters
+        ----------
+        rms_current : float
+            In the measure of the motor's sheet, A.
+        """
+        motor = self.train.motor
+        current = rms_current * motor.torque_constant / motor.dc_torque_constant
+        growth = 1 + motor.copper_coefficient * (self.train.ambient_celsius - motor.reference_celsius)
+        return self.bare_thermal_resistance * motor.dc_resistance * growth * current**2
 
     @cached_property
     def peak_current(self) -> tuple[float, float]:

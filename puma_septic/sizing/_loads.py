@@ -16,7 +16,16 @@ from puma_septic.friction import ROUNDING, resolved
 from puma_septic.piecewise import Piecewise
 from puma_septic.validation import Array, freeze_fields
 
-__all__ = ["JointLoad", "MotorLoad", "gear_loss", "gearbox_load", "joint_load", "motor_load", "torque_by_cause"]
+__all__ = [
+    "JointLoad",
+    "MotorLoad",
+    "gear_loss",
+    "gearbox_load",
+    "inertia_ratio",
+    "joint_load",
+    "motor_load",
+    "torque_by_cause",
+]
 
 
 def gear_loss(gearbox: Gearbox, torque: Piecewise, speed: Piecewise, direction: Array) -> Piecewise:
@@ -345,3 +354,22 @@ def torque_by_cause(load: JointLoad, train: Drivetrain, motor: MotorLoad) -> dic
         "rotor": motor.parts["rotor"] * train.ratio + turning,
         "friction": motor.parts["friction"] * train.ratio + rubbing,
     }
+
+
+def inertia_ratio(load: JointLoad, train: Drivetrain) -> tuple[float, float]:
+    """Largest inertia of load and gears at the motor over the rotor's, its brake's with it, and its instant, s.
+
+    So the makers of motors count, as Yaskawa, Sigma-V manual E-V-MD, p. 2-5: ``J_L = J_L1 + J_B + J_G``. An unknown
+    inertia of the brake counts as 0, as in the torque: the ratio is then no smaller than the true one. NaN where the
+    rotor's is not known.
+
+    Returns
+    -------
+    tuple of float
+    """
+    rotor = train.motor.rotor_inertia + float(np.nan_to_num(train.brake_inertia))
+    if not rotor > 0:
+        return np.nan, np.nan
+    found = load.inertia.extrema()
+    driven = float(found.max[0]) / train.ratio**2 + float(np.nan_to_num(train.gearbox.inertia))
+    return driven / rotor, float(found.t_max[0])

@@ -29,7 +29,7 @@ from puma_septic.sizing._bounds import (
     expected_lives,
     scaled,
 )
-from puma_septic.sizing._brake import holding_torque
+from puma_septic.sizing._brake import holding_torque, standing_torque
 from puma_septic.sizing._gearbox import (
     allowed_rare_peaks,
 )
@@ -343,9 +343,7 @@ class PairDemands:
 
     @cached_property
     def _standing_load(self) -> float:
-        load = self.grid.load
-        stands = (load.velocity_sign == 0) & ~load.braked
-        return float(load.torque.by_interval(stands).extrema().peak[0])
+        return standing_torque(self.grid.load, 1.0)[0]
 
     @property
     def stands_loaded(self) -> Array:

@@ -151,7 +151,8 @@ class Selection:
         """Choices for the whole arm than which no other is as light, as cheap and as little used; lightest first.
 
         Of the pairs that are strong enough at the load cases as they are: with the masses of the chosen parts on the
-        arm these are those of the choice at hand. Empty where a joint has no such pair.
+        arm these are those of the choice at hand. Joints that are to have one size may differ here. Empty where a joint
+        has no such pair.
 
         Returns
         -------

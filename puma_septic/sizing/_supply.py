@@ -17,7 +17,7 @@ from puma_septic.limit_check import Kind, LimitCheck
 from puma_septic.piecewise import Piecewise
 from puma_septic.sizing._checks import NotAssessed, Outcome
 from puma_septic.sizing._demands import Demands, Peak
-from puma_septic.sizing._winding import Regeneration, energies, regeneration
+from puma_septic.sizing._winding import Regeneration, both_signs, energies, regeneration
 from puma_septic.validation import Array, checked_number, frozen
 
 __all__ = ["SUPPLY", "SupplyLoad", "supply_load"]
@@ -249,7 +249,7 @@ class SupplyLoad:
 def _both_signs(flows: Array | None, unknown: float) -> tuple[float, float]:
     if flows is None:
         return unknown, unknown
-    return float(np.maximum(flows, 0.0).sum()), float(np.maximum(-flows, 0.0).sum())
+    return both_signs(flows)
 
 
 def supply_load(demands: Sequence[Demands], supply: Supply) -> SupplyLoad:

@@ -10,7 +10,7 @@ import numpy as np
 from puma_septic.piecewise import Piecewise
 from puma_septic.validation import Array
 
-__all__ = ["Regeneration", "Winding", "electric_power", "energies", "regeneration"]
+__all__ = ["Regeneration", "Winding", "both_signs", "electric_power", "energies", "regeneration"]
 
 # Of the field's current, which is no better known than the inductance.
 _FIELD: Final = 1e-8
@@ -171,6 +171,16 @@ def energies(power: Piecewise) -> Array:
     power = power.split_at_roots()
     flows = np.diff(power.integral()(power.breaks)[:, 0])
     return np.where(np.abs(flows) > _ROUNDING * np.abs(flows).sum(), flows, 0.0)
+
+
+def both_signs(flows: Array) -> tuple[float, float]:
+    """What is drawn and what is returned of energies in order, J.
+
+    Returns
+    -------
+    tuple of float
+    """
+    return float(np.maximum(flows, 0.0).sum()), float(np.maximum(-flows, 0.0).sum())
 
 
 def regeneration(flows: Array, *, storable: float, periodic: bool) -> Regeneration:

@@ -225,7 +225,10 @@ def test_a_shared_supply_beside_a_catalogue(capsys: pytest.CaptureFixture[str]) 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--catalogue", "a.csv"], "--catalogue a.csv: expected one of example, puma560, or two or three CSV files"),
+        (
+            ["--catalogue", "a.csv"],
+            "--catalogue a.csv: this file does not exist; expected one of example, puma560, or two or three CSV files",
+        ),
         (["--catalogue", "none.csv", "none.csv"], "none.csv: this catalogue does not exist"),
         (["--catalogue", "example", "--keep", "0"], "--keep: '0' is not a whole number from 1"),
         (["--keep", "2", "--masses", "at"], "--keep, --masses goes with --catalogue: name the parts to choose from"),

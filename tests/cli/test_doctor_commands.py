@@ -56,7 +56,7 @@ def test_accelerations_are_written_for_moveit(capsys: pytest.CaptureFixture[str]
     [
         (["--joint", "joint2"], "'joint2' is not NAME=LOW:HIGH"),
         (["--joint", "elbow=0:1"], "unknown joint 'elbow'"),
-        (["--gap", "0"], "gap = 0"),
+        (["--gap", "0"], "--gap 0 must be greater than 0"),
     ],
 )
 def test_bad_input_is_told(options: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import re
 from argparse import Namespace
 from collections.abc import Sequence
-from pathlib import Path
 
 from puma_septic.assessment import Assessment
 from puma_septic.cli._arguments import asked_task, asked_units, origin, with_report
@@ -13,6 +11,7 @@ from puma_septic.cli._assess_cycle import cycle_answer
 from puma_septic.cli._motion_file import check_place, write_motion
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._task_text import assessed_text, turned_text
+from puma_septic.outputs import file_names
 from puma_septic.pictures import assessment_pictures, in_units
 from puma_septic.report import assess_document, metrics_csv, new_folder, profile_labels, samples_csv, to_json
 from puma_septic.task import ResolvedTask, Task, assess_task, resolve_task
@@ -70,8 +69,9 @@ def _write_folder(arguments: Namespace, shown: Sequence[Assessed]) -> None:
         )
         (folder / "assessment.json").write_text(to_json(assess_document(shown)), encoding="utf-8")
         (folder / "metrics.csv").write_text(metrics_csv(shown), encoding="utf-8")
-        for resolved, assessments in shown:
-            inner = folder / _file_name(resolved.task.name)
+        places = file_names([resolved.task.name for resolved, _ in shown])
+        for place, (_, assessments) in zip(places, shown, strict=True):
+            inner = folder / place
             inner.mkdir()
             labels = profile_labels(assessments)
             for label, assessment in zip(labels, assessments, strict=True):
@@ -82,8 +82,3 @@ def _write_folder(arguments: Namespace, shown: Sequence[Assessed]) -> None:
                 from puma_septic.report.figures import write_png
 
                 write_png(inner, pictures)
-
-
-def _file_name(name: str) -> str:
-    """A task's name without what would leave the folder or upset a file system."""
-    return Path(re.sub(r"[^A-Za-z0-9_-]+", "-", name).strip("-")[:60] or "task").name

@@ -7,6 +7,7 @@ from argparse import Namespace
 from puma_septic.cli._arguments import asked_task, asked_units, origin, with_report
 from puma_septic.cli._parser import Answer
 from puma_septic.document import to_json
+from puma_septic.outputs import file_names
 from puma_septic.report import new_folder, numbered
 from puma_septic.simulation import Controller, ElasticJoints, Execution, execute
 from puma_septic.task import ResolvedTask, resolve_task
@@ -66,7 +67,8 @@ def _write_folder(arguments: Namespace, execution: Execution, title: str) -> Non
         (folder / "execution.csv").write_text(execution.to_csv(), encoding="utf-8")
         page = report_html(execution, title=title, made=origin(arguments), units=asked_units(arguments))
         (folder / "report.html").write_text(page, encoding="utf-8")
-        for name, simulation in execution.simulations.items():
+        simulated = execution.simulations
+        for name, simulation in zip(file_names(list(simulated)), simulated.values(), strict=True):
             (folder / f"samples-{name}.csv").write_text(simulation_csv(simulation), encoding="utf-8")
         pictures = execution_pictures(execution)
         write_svg(folder, pictures)

@@ -24,7 +24,7 @@ PAYLOADS: Final = (
     "<script>canary=1</script>", "</script><script>canary=1</script>", "<img src=x onerror=canary=1>",
     "\"><img src=x onerror=canary=1>", "'><svg onload=canary=1>", "<svg/onload=canary=1>", "javascript:canary=1",
     "</title><script>canary=1</script>", "</style><script>canary=1</script>", "<!--<script>canary=1//-->",
-    "${canary=1}", "{{canary=1}}", "<iframe srcdoc='<script>parent.canary=1</script>'>",
+    "#{canary=1}", "{{canary=1}}", "<iframe srcdoc='<script>parent.canary=1</script>'>",
     "\\u003cscript\\u003ecanary=1\\u003c/script\\u003e", "&lt;script&gt;canary=1&lt;/script&gt;",
     "<a href=http://evil.example/>x</a>", "x onmouseover=canary=1 y",
 )  # fmt: skip

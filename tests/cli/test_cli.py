@@ -154,7 +154,7 @@ def test_a_name_that_looks_like_markup_is_text(tmp_path: Path, capsys: pytest.Ca
     assert main(["assess", str(path), "--no-png", "--out", str(tmp_path / "out")]) == 0
     assert f"Task '{name}'" in capsys.readouterr().out
     assert json.loads((tmp_path / "out" / "assessment.json").read_text())["tasks"][0]["task"]["name"] == name
-    assert (tmp_path / "out" / "script-alert-1-script").is_dir()
+    assert (tmp_path / "out" / "_script_alert_1___script_").is_dir()
     report = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "&lt;script&gt;alert(1)&lt;/script&gt;" in report
     assert name not in report

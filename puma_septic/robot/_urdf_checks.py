@@ -286,14 +286,16 @@ def _mimics(text: UrdfText, joints: Mapping[str, UrdfJoint]) -> tuple[dict[str, 
         )
         for name, element in elements.items()
     }
+    known = {name: mimic for name, mimic in given.items() if mimic.master in joints}
     found, faults = {}, []
     for name, element in elements.items():
-        mimic = followed(name, given)
-        if mimic is None:
-            faults.append(text.fault(element, f"joint {name!r} mimics itself in the end"))
-        elif mimic.master not in joints:
-            message = f"it mimics {mimic.master!r}, which is no joint here; taken for a joint with a motor of its own"
+        mimic = followed(name, known)
+        if name not in known:
+            master = given[name].master
+            message = f"it mimics {master!r}, which is no joint here; taken for a joint with a motor of its own"
             faults.append(Finding(text=text.at(element, message), kind="note"))
+        elif mimic is None:
+            faults.append(text.fault(element, f"joint {name!r} mimics itself in the end"))
         else:
             found[name] = mimic
     return found, faults

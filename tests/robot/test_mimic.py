@@ -157,6 +157,15 @@ def test_a_lever_that_follows_itself_and_one_that_follows_nothing(tmp_path: Path
     assert any("it mimics 'j9', which is no joint here" in note for note in robot.notes)
 
 
+def test_a_joint_follows_one_that_follows_nothing(tmp_path: Path) -> None:
+    """The rod mimics the lever, and the lever a joint that is not there: the rod lost what it follows, too."""
+    text = parallelogram().replace('joint="j3"', 'joint="lever"').replace('joint="lever"', 'joint="j9"', 1)
+    robot = load(tmp_path, "lost", text)
+    assert robot.n_joints == 4
+    assert {name: one.master for name, one in robot.mimics.items()} == {"rod": "lever"}
+    assert [note for note in robot.notes if "which is no joint here" in note and "j9" in note]
+
+
 def test_chains_of_mimics_are_followed_to_their_end() -> None:
     given = {"b": Mimic(master="a", multiplier=2.0, offset=0.1), "c": Mimic(master="b", multiplier=-3.0, offset=0.2)}
     end = followed("c", given)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from math import isinf, isnan
 from typing import Any, Final
 
 import numpy as np
@@ -23,39 +24,33 @@ def limit_checks(robot: Robot, position: Extrema, demands: Mapping[str, tuple[Ar
 
     `demands` maps a quantity to magnitudes and instants; a demand that is not known (NaN) is checked against nothing.
     """
-    checks = []
-    for j in range(robot.n_joints):
-        if not np.isnan(robot.limits.position[j]).all():
-            checks.append(_position_check(robot, j, position))
-        for name, (demand, time) in demands.items():
-            limit = float(getattr(robot.limits, name)[j])
-            if np.isnan(demand[j]):
-                continue
-            if not np.isnan(limit) or (QUANTITIES[name].is_hard and np.isinf(demand[j])):
-                checks.append(
-                    LimitCheck.of_magnitude(
-                        joint=robot.joint_names[j],
-                        quantity=name,
-                        demand=float(demand[j]),
-                        limit=limit,
-                        unit=QUANTITIES[name].unit(robot.is_prismatic[j]),
-                        time=float(time[j]),
-                        source=robot.limits.source,
-                    )
+    limits, source, checks = robot.limits, robot.limits.source, []
+    # As lists: numbers of an array cost more than all that is done with them here.
+    rows = [(name, QUANTITIES[name], getattr(limits, name).tolist(), *_lists(demands[name])) for name in demands]
+    bounds, reach = limits.position.tolist(), list(zip(*_lists((position.min, position.max)), strict=True))
+    times = list(zip(*_lists((position.t_min, position.t_max)), strict=True))
+    for j, (joint, is_prismatic) in enumerate(zip(robot.joint_names, robot.is_prismatic.tolist(), strict=True)):
+        if not all(map(isnan, bounds[j])):
+            unit = QUANTITIES["position"].unit(is_prismatic)
+            checks.append(
+                LimitCheck.of_position(
+                    joint=joint, bounds=tuple(bounds[j]), reach=reach[j], times=times[j], unit=unit, source=source
                 )
+            )
+        for name, row, limit, demand, time in rows:
+            if isnan(demand[j]) or (isnan(limit[j]) and not (row.is_hard and isinf(demand[j]))):
+                continue
+            unit = row.unit(is_prismatic)
+            checks.append(
+                LimitCheck.of_magnitude(
+                    joint=joint, quantity=name, demand=demand[j], limit=limit[j], unit=unit, time=time[j], source=source
+                )
+            )
     return tuple(checks)
 
 
-def _position_check(robot: Robot, j: int, position: Extrema) -> LimitCheck:
-    lower, upper = robot.limits.position[j].tolist()
-    return LimitCheck.of_position(
-        joint=robot.joint_names[j],
-        bounds=(lower, upper),
-        reach=(float(position.min[j]), float(position.max[j])),
-        times=(float(position.t_min[j]), float(position.t_max[j])),
-        unit=QUANTITIES["position"].unit(robot.is_prismatic[j]),
-        source=robot.limits.source,
-    )
+def _lists(arrays: Iterable[Array]) -> list[Any]:
+    return [array.tolist() for array in arrays]
 
 
 def unknown_values(robot: Robot) -> tuple[str, ...]:

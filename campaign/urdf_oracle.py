@@ -129,8 +129,8 @@ def _same(what: str, value: object, said: object) -> None:
 
 def _check_pose(robot: ps.Robot, arm: Arm, bodies: dict[str, Body], rng: np.random.Generator) -> None:
     n = len(arm.own)
-    span = np.clip(np.nan_to_num(robot.limits.position, nan=0.0), -3, 3)
-    q = np.where(np.isnan(robot.limits.position[:, 0]), rng.uniform(-3, 3, n), rng.uniform(span[:, 0], span[:, 1]))
+    low, high = np.clip(np.where(np.isnan(robot.limits.position), [-3.0, 3.0], robot.limits.position), -3, 3).T
+    q = rng.uniform(low, np.maximum(low, high))
     v, a = rng.normal(size=n), rng.normal(size=n)
     links = arm.motion(q, v, a)
     model = robot.model

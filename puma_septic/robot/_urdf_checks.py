@@ -5,7 +5,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
 from puma_septic.robot._mimic import Mimic, followed, visiting_order
 from puma_septic.robot._urdf_physics import MOVING_KINDS, joint_findings, link_findings
@@ -271,6 +271,10 @@ def _tree_faults(text: UrdfText, links: Mapping[str, ET.Element], joints: Mappin
     return faults
 
 
+# Of a mimicking joint: no gear turns faster, no finger starts farther off, and products of two are still finite.
+_FARTHEST: Final = 1e6
+
+
 def _mimics(text: UrdfText, joints: Mapping[str, UrdfJoint]) -> tuple[dict[str, Mimic], list[Finding]]:
     """What each mimicking joint follows in the end, and those that cannot be followed."""
     elements = {
@@ -296,6 +300,11 @@ def _mimics(text: UrdfText, joints: Mapping[str, UrdfJoint]) -> tuple[dict[str, 
             faults.append(Finding(text=text.at(element, message), kind="note"))
         elif mimic is None:
             faults.append(text.fault(element, f"joint {name!r} mimics itself in the end"))
+        elif max(abs(mimic.multiplier), abs(mimic.offset)) > _FARTHEST:
+            ways = f"multiplier {mimic.multiplier:g}, offset {mimic.offset:g}"
+            faults.append(
+                text.fault(element, f"joint {name!r} goes {ways} with {mimic.master!r}: beyond {_FARTHEST:g}")
+            )
         else:
             found[name] = mimic
     return found, faults

@@ -166,6 +166,12 @@ def test_a_joint_follows_one_that_follows_nothing(tmp_path: Path) -> None:
     assert [note for note in robot.notes if "which is no joint here" in note and "j9" in note]
 
 
+def test_a_lever_that_turns_beyond_all_bounds_is_refused(tmp_path: Path) -> None:
+    """1e308 times as fast: the joint-space inertia overflowed, and no torque was known for a reason that was none."""
+    with pytest.raises(ps.ModelError, match=r"'lever' follows 'j3' by a multiplier of 1e\+308 .* at most 1e\+06"):
+        load(tmp_path, "wild", parallelogram().replace('multiplier="1.0"', 'multiplier="1e308"'))
+
+
 def test_chains_of_mimics_are_followed_to_their_end() -> None:
     given = {"b": Mimic(master="a", multiplier=2.0, offset=0.1), "c": Mimic(master="b", multiplier=-3.0, offset=0.2)}
     end = followed("c", given)

@@ -301,9 +301,12 @@ def _mimics(text: UrdfText, joints: Mapping[str, UrdfJoint]) -> tuple[dict[str, 
         elif mimic is None:
             faults.append(text.fault(element, f"joint {name!r} mimics itself in the end"))
         elif max(abs(mimic.multiplier), abs(mimic.offset)) > _FARTHEST:
-            ways = f"multiplier {mimic.multiplier:g}, offset {mimic.offset:g}"
             faults.append(
-                text.fault(element, f"joint {name!r} goes {ways} with {mimic.master!r}: beyond {_FARTHEST:g}")
+                text.fault(
+                    element,
+                    f"joint {name!r} follows {mimic.master!r} by a multiplier of {mimic.multiplier:g} and an offset of"
+                    f" {mimic.offset:g}: at most {_FARTHEST:g} each",
+                )
             )
         else:
             found[name] = mimic

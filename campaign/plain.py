@@ -46,7 +46,7 @@ def check_answer(answer: Any) -> None:
 def check_text(text: str) -> None:
     if found := UNCLEAN.search(text.replace("\n", " ")):
         raise UnsoundError(f"text: holds U+{ord(found[0]):04X}: {text[max(0, found.start() - 60) :][:200]!r}")
-    if longest := max((len(line) for line in text.split("\n")), default=0) > 10 * MAX_MESSAGE:
+    if (longest := max(len(line) for line in text.split("\n"))) > 10 * MAX_MESSAGE:
         raise UnsoundError(f"text: a line of {longest} characters")
 
 

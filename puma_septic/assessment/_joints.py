@@ -166,8 +166,9 @@ def power_metrics(motion: Motion) -> PowerMetrics:
     """
     power = motion.power
     extrema = power.extrema()
-    power = power.split(np.concatenate(power.roots()))
-    work = np.diff(power.integral()(power.breaks), axis=0)
+    # Between these instants no joint's power changes sign.
+    instants = np.unique(np.concatenate([power.breaks, *power.roots()]))
+    work = np.diff(power.integral()(instants), axis=0)
     work[np.abs(work) <= _NO_WORK * np.abs(work).sum(axis=0).max()] = 0.0
     least = _NO_WORK * extrema.peak.max()
     up, down = (np.where(size > least, size, 0.0) for size in (extrema.max, -extrema.min))

@@ -28,6 +28,8 @@ __all__ = [
 Document = Mapping[str, Any]
 
 # What is not known, which the list below the tables explains.
+# Of a motion that swings wildly no more crossings are listed; the document has all.
+_MOST_CROSSINGS: Final = 12
 _UNKNOWN: Final = "--"
 # Below this part of the largest of all joints a value is what rounding left, in tables.
 _ROUNDING: Final = 1e-9
@@ -227,9 +229,10 @@ def _tool_text(document: Document) -> str:
     if limits := read_checks(tool.get("checks", [])):
         parts.append(f"Limits of the tool: {'; '.join(_tool_use(check) for check in limits)}")
     for report in document["singularities"]:
-        if report["crossings"]:
-            times = ", ".join(f"{time:z.3f}" for time in report["crossings"])
-            parts.append(f"Singularity {report['kind']!r}: crossed at {times} s")
+        if crossings := report["crossings"]:
+            times = ", ".join(f"{time:z.3f}" for time in crossings[:_MOST_CROSSINGS])
+            often = f"{len(crossings)} times, first " if len(crossings) > _MOST_CROSSINGS else ""
+            parts.append(f"Singularity {report['kind']!r}: crossed {often}at {times} s")
     return "\n".join(parts)
 
 

@@ -172,10 +172,11 @@ class Sizing:
 
     @property
     def verdict(self) -> str:
-        """One sentence: strong enough or undersized, and the governing limit."""
+        """One sentence: strong enough (as far as is known, where something is `lacking`) or undersized, and why."""
         if not self.violations and not self.is_feasible:
             return "undersized: a velocity steps, which takes unbounded torque"
-        return verdict(("strong enough", "undersized"), self.violations, self.governing)
+        enough = "strong enough as far as is known" if self.lacking else "strong enough"
+        return verdict((enough, "undersized"), self.violations, self.governing)
 
     @property
     def is_feasible(self) -> bool:

@@ -259,7 +259,7 @@ def charts_of(html: str) -> list[tuple[str | None, str | None]]:
 def test_report_of_a_sizing_has_its_own_verdict(puma: ps.Robot) -> None:
     sizing = ps.size(ps.cycle.with_return(ps.compute_motion(puma, move()), dwell=0.5))
     text = words(ps.report_html(sizing, title="shelf"))
-    assert "Feasible The drives are strong enough; governing limit: joint" in text
+    assert "Feasible The drives are strong enough as far as is known; governing limit: joint" in text
     # The cycle as it is, and not its two ways as two motions that begin together.
     assert re.findall("<h4>([^<]*)</h4>", ps.report_html(sizing))[0] == "cycle"
 

@@ -207,8 +207,9 @@ def cluster(place: Path) -> Iterator[Cluster]:
     try:
         yield running
     finally:
+        # Workers hold nothing; asked to end, one may wait for its scheduler for ever.
         for process in running.processes:
-            process.terminate()
+            process.kill()
         for process in running.processes:
             process.wait(timeout=30)
 

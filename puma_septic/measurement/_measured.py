@@ -24,8 +24,9 @@ _RANK: Final = 1e-6
 # Two standard deviations hold 95 %.
 _SIGMAS: Final = 2.0
 _SWEEPS: Final = 3
-# So near to a reversal or a rest, in s, its recorded instant may be wrong.
-_NEAR: Final = 0.02
+# So near to a reversal or a rest, in s, its recorded instant may be wrong: of a slow start 40 to 80 ms are within what
+# noisy samples resolve.
+_NEAR: Final = 0.06
 _LAGS: Final = 50
 
 

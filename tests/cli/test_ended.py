@@ -37,8 +37,8 @@ def test_a_signal_leaves_nothing_half_written(number: signal.Signals, code: int,
             time.sleep(0.005)
         child.send_signal(number)
         _, err = child.communicate(timeout=60)
-    # Where Ctrl-C came while Python ran code from a string, as it does for dataclasses, CPython ends by the signal itself
-    # however it was handled; a shell shows 130 for both.
+    # Where Ctrl-C came while Python ran code from a string, as it does for dataclasses, CPython ends by the signal
+    # itself however it was handled; a shell shows 130 for both.
     assert child.returncode in ((code, -number) if number == signal.SIGINT else (code,))
     assert list(tmp_path.iterdir()) == []
     assert b"Traceback" not in err

@@ -125,17 +125,23 @@ def _work(one: Format, cases: range | list[bytes], seed: int, answers: Connectio
         home.mkdir(parents=True)
         os.chdir(home)
         path = home / f"case{one.suffix}"
+        begun = _peak()
         for index in cases if isinstance(cases, range) else range(len(cases)):
             data = case_bytes(one, seed, index) if isinstance(cases, range) else cases[index]
             path.write_bytes(data)
-            answers.send((index, *_judged(one, path)))
+            answers.send((index, *_judged(one, path, begun)))
 
 
-def _judged(one: Format, path: Path) -> tuple[Verdict, float, int]:
+def _peak() -> int:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024  # Linux tells kibibytes
+
+
+def _judged(one: Format, path: Path, begun: int) -> tuple[Verdict, float, int]:
+    """The verdict on a file, seconds of the processor, and bytes beyond those that the process was begun with."""
     start = time.process_time()
     verdict = verdict_of(one.check, path)
     seconds = time.process_time() - start
-    size = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024  # Linux tells kibibytes
+    size = _peak() - begun
     if not verdict.is_offence and size > MAX_BYTES:
         verdict = Verdict("memory", "", f"{size / 1e6:.0f} MB")
     if not verdict.is_offence and seconds > MAX_SECONDS:

@@ -206,3 +206,37 @@ def test_the_document_of_an_optimum_names_its_rules(tmp_path: Path, capsys: pyte
     file.write_text(TASK + "tool_limits: {speed: 3.0}\nfloor: -1.0\n")
     assert main(["optimise", str(file), "--objective", "peak_jerk", "--restarts", "0", "--format", "json"]) == 0
     assert json.loads(capsys.readouterr().out)["limits"]["respected"] == ["tool", "floor"]
+
+
+def test_limits_of_the_tool_are_not_left_out_without_a_robot() -> None:
+    """`least_time` without a robot took them and did not keep them."""
+    with pytest.raises(ps.InputError, match="a floor and limits of the tool need the robot"):
+        ps.least_time(ps.profiles.quintic_spline, POINTS, 1.0, max_velocity=1.0, tool_limits=ToolLimits(speed=0.1))
+
+
+@pytest.mark.parametrize(
+    ("rule", "message"),
+    [
+        ({"floor": np.nan}, "floor = nan m is not a finite number"),
+        ({"tool_limits": 0.25}, "tool_limits: expected ToolLimits"),
+    ],
+    ids=["floor", "tool"],
+)
+def test_rules_that_are_none_are_refused_before_the_search(puma: ps.Robot, rule: dict[str, Any], message: str) -> None:
+    for search in (ps.optimise_via_times, ps.least_time):
+        with pytest.raises(ps.InputError, match=message):
+            search(ps.profiles.quintic_spline, POINTS, TIMES, robot=puma, restarts=0, **rule)
+
+
+def test_a_gap_under_limits_of_the_tool_is_no_number(puma: ps.Robot) -> None:
+    """The reference does not know them: a gap over it would say that a profile wastes what the cell forbids."""
+
+    def reference(_: ps.Motion) -> Any:
+        raise AssertionError("not to be asked")
+
+    limits = ToolLimits(speed=2.0)
+    found = ps.compare(puma, POINTS, TIMES, profiles=["quintic"], tool_limits=limits, reference=reference)
+    gap = found["quintic"].gap
+    assert gap is not None
+    assert gap.reason == "the reference knows no limits of the tool"
+    assert np.isnan(gap.ratio)

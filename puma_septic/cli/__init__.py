@@ -34,8 +34,8 @@ from puma_septic.cli import (
     _size,
     _study,
 )
-from puma_septic.cli._arguments import asked_units, check_out
 from puma_septic.cli._messages import blamed, fault_text, spelt
+from puma_septic.cli._output_arguments import asked_units, check_out
 from puma_septic.cli._parser import Command, parse
 from puma_septic.cli._terminal import coloured, has_colour, terminal_width, waiting
 from puma_septic.errors import InputError, PumaSepticError, readable

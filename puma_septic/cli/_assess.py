@@ -4,18 +4,8 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-from puma_septic.cli._arguments import (
-    add_dwell,
-    add_format,
-    add_margin,
-    add_out,
-    add_payload,
-    add_profile,
-    add_recording,
-    add_task,
-    add_verbose,
-    add_write,
-)
+from puma_septic.cli._arguments import add_dwell, add_margin, add_payload, add_profile, add_recording, add_task
+from puma_septic.cli._output_arguments import add_format, add_out, add_verbose, add_write
 from puma_septic.cli._parser import Answer
 
 __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]

@@ -6,9 +6,10 @@ from argparse import Namespace
 from collections.abc import Sequence
 
 from puma_septic.assessment import Assessment
-from puma_septic.cli._arguments import asked_task, asked_units, origin, with_report
+from puma_septic.cli._arguments import asked_task
 from puma_septic.cli._assess_cycle import cycle_answer
 from puma_septic.cli._motion_file import check_place, write_motion
+from puma_septic.cli._output_arguments import asked_units, origin, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._task_text import assessed_text, turned_text
 from puma_septic.outputs import file_names

@@ -5,8 +5,8 @@ from __future__ import annotations
 from argparse import Namespace
 
 from puma_septic._version import __version__
-from puma_septic.cli._arguments import asked_units, origin, with_report
 from puma_septic.cli._motion_file import check_place, write_motion
+from puma_septic.cli._output_arguments import asked_units, origin, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._task_text import wrapped
 from puma_septic.cycle import CycleAssessment

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-from puma_septic.cli._arguments import add_format, add_payload, add_robot
+from puma_septic.cli._arguments import add_payload, add_robot
+from puma_septic.cli._output_arguments import add_format
 from puma_septic.cli._parser import Answer
 
 __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]

@@ -9,21 +9,16 @@ from typing import TYPE_CHECKING
 
 from puma_septic.cli._arguments import (
     add_dwell,
-    add_format,
     add_margin,
-    add_out,
     add_payload,
     add_profile,
     add_recording,
     add_task,
-    add_verbose,
     asked_task,
-    asked_units,
     in_reserve,
-    origin,
     with_margin,
-    with_report,
 )
+from puma_septic.cli._output_arguments import add_format, add_out, add_verbose, asked_units, origin, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 
 if TYPE_CHECKING:

@@ -6,7 +6,8 @@ import re
 from argparse import ArgumentParser, Namespace
 
 from puma_septic._version import __version__
-from puma_septic.cli._arguments import add_format, add_robot, asked_robot
+from puma_septic.cli._arguments import add_robot, asked_robot
+from puma_septic.cli._output_arguments import add_format
 from puma_septic.cli._parser import Answer
 
 __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]

@@ -4,16 +4,8 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-from puma_septic.cli._arguments import (
-    add_format,
-    add_out,
-    add_payload,
-    add_profile,
-    add_task,
-    add_verbose,
-    not_negative,
-    positive,
-)
+from puma_septic.cli._arguments import add_payload, add_profile, add_task, not_negative, positive
+from puma_septic.cli._output_arguments import add_format, add_out, add_verbose
 from puma_septic.cli._parser import Answer
 
 __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from argparse import Namespace
 
-from puma_septic.cli._arguments import asked_task, asked_units, origin, with_report
+from puma_septic.cli._arguments import asked_task
+from puma_septic.cli._output_arguments import asked_units, origin, with_report
 from puma_septic.cli._parser import Answer
 from puma_septic.document import to_json
 from puma_septic.outputs import file_names

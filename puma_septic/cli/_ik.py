@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-from puma_septic.cli._arguments import add_format, add_task, add_verbose, finite
+from puma_septic.cli._arguments import add_task, finite
+from puma_septic.cli._output_arguments import add_format, add_verbose
 from puma_septic.cli._parser import Answer
 
 __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]

@@ -6,7 +6,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import Final
 
-from puma_septic.cli._arguments import add_force
+from puma_septic.cli._output_arguments import add_force
 from puma_septic.cli._parser import Answer
 
 __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 
-from puma_septic.cli._arguments import add_format, add_margin, add_out, add_payload, add_profile, add_task, finite
+from puma_septic.cli._arguments import add_margin, add_payload, add_profile, add_task, finite
+from puma_septic.cli._output_arguments import add_format, add_out
 from puma_septic.cli._parser import Answer
 
 __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]

@@ -9,12 +9,14 @@ from typing import Any
 
 from puma_septic._version import __version__
 from puma_septic.assessment import Assessment, assess
-from puma_septic.cli._arguments import asked_task, asked_units, in_reserve, origin, with_margin, with_report
+from puma_septic.cli._arguments import asked_task, in_reserve, with_margin
+from puma_septic.cli._output_arguments import asked_units, origin, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.document import SCHEMAS, to_json
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.limits import MotionLimits, motion_limits
 from puma_septic.motion import Motion, compute_motion
+from puma_septic.paths import ToolLimits
 from puma_septic.pictures.limits import payload_picture
 from puma_septic.report import new_folder, profile_labels
 from puma_septic.task import ResolvedTask, resolve_task
@@ -43,7 +45,7 @@ def answer(arguments: Namespace) -> Answer:
     }
     if arguments.reference:
         for motion, one in zip(motions, document["profiles"], strict=True):
-            one["reference"] = _reference(motion)
+            one["reference"] = _reference(motion, tool_limits)
     texts = {"text": view.text, "json": to_json, "csv": view.csv}
     text = texts[arguments.format](document)
     if arguments.out is not None:
@@ -79,10 +81,12 @@ def _write_folder(
             write_png(folder, pictures)
 
 
-def _reference(motion: Motion) -> dict[str, Any]:
+def _reference(motion: Motion, tool_limits: ToolLimits | None) -> dict[str, Any]:
     """The time-optimal motion along the same path, or why there is none."""
     from puma_septic.optimum import time_optimal
 
+    if tool_limits is not None:
+        return {"reason": "the reference knows no limits of the tool"}
     try:
         return {"reason": "", **time_optimal(motion).to_dict()}
     except (InputError, NoSolution) as error:

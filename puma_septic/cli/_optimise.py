@@ -11,20 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 from puma_septic.cli._arguments import (
     add_dwell,
-    add_format,
     add_margin,
-    add_out,
     add_payload,
     add_profile,
     add_task,
     asked_task,
-    asked_units,
     count,
     in_reserve,
-    origin,
     with_margin,
-    with_report,
 )
+from puma_septic.cli._output_arguments import add_format, add_out, asked_units, origin, with_report
 from puma_septic.cli._parser import Answer
 
 if TYPE_CHECKING:

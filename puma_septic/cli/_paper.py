@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-from puma_septic.cli._arguments import add_format, add_out, add_verbose, asked_units, origin, with_report
+from puma_septic.cli._output_arguments import add_format, add_out, add_verbose, asked_units, origin, with_report
 from puma_septic.cli._parser import Answer
 
 __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]

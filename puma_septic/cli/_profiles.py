@@ -8,7 +8,7 @@ from inspect import Parameter
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, Final
 
-from puma_septic.cli._arguments import add_format, add_verbose
+from puma_septic.cli._output_arguments import add_format, add_verbose
 from puma_septic.cli._parser import Answer
 
 if TYPE_CHECKING:

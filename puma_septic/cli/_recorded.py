@@ -10,7 +10,8 @@ import numpy as np
 
 from puma_septic._version import __version__
 from puma_septic.assessment import Assessment, assess
-from puma_septic.cli._arguments import asked_robot, asked_units, origin, with_report
+from puma_septic.cli._arguments import asked_robot
+from puma_septic.cli._output_arguments import asked_units, origin, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._task_text import details, margin_text, wrapped
 from puma_septic.document import SCHEMAS

@@ -9,7 +9,8 @@ from collections.abc import Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from puma_septic.cli._arguments import add_force, add_payload, add_profile, add_recording, add_task, asked_task
+from puma_septic.cli._arguments import add_payload, add_profile, add_recording, add_task, asked_task
+from puma_septic.cli._output_arguments import add_force
 from puma_septic.cli._parser import Answer
 
 if TYPE_CHECKING:

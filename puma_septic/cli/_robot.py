@@ -5,7 +5,8 @@ from __future__ import annotations
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from typing import TYPE_CHECKING, Any
 
-from puma_septic.cli._arguments import add_format, add_robot, add_verbose, asked_robot, finite
+from puma_septic.cli._arguments import add_robot, asked_robot, finite
+from puma_septic.cli._output_arguments import add_format, add_verbose
 from puma_septic.cli._parser import Answer
 
 if TYPE_CHECKING:

@@ -7,15 +7,13 @@ from argparse import ArgumentParser, Namespace
 from puma_septic.cli._arguments import (
     add_conditions,
     add_dwell,
-    add_format,
-    add_out,
     add_payload,
     add_profile,
     add_recording,
     add_task,
-    add_verbose,
     count,
 )
+from puma_septic.cli._output_arguments import add_format, add_out, add_verbose
 from puma_septic.cli._parser import Answer
 
 __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]

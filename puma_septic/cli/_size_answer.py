@@ -10,7 +10,8 @@ from typing import Any, Final, final
 
 from puma_septic._version import __version__
 from puma_septic.assessment import assess
-from puma_septic.cli._arguments import CONDITIONS, asked_task, asked_units, origin, with_report
+from puma_septic.cli._arguments import CONDITIONS, asked_task
+from puma_septic.cli._output_arguments import asked_units, origin, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._task_text import wrapped
 from puma_septic.cycle import Cycle, Dwell

@@ -8,7 +8,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from puma_septic.cli._arguments import add_format, count
+from puma_septic.cli._arguments import count
+from puma_septic.cli._output_arguments import add_format
 from puma_septic.cli._parser import Answer
 
 __all__ = ["DESCRIPTION", "EXAMPLES", "SUMMARY", "add_arguments", "run"]

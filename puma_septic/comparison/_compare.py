@@ -106,7 +106,7 @@ def compare(
             name=name,
             assessment=candidate.assessment,
             objectives={objective.name: objective.value(candidate) for objective in chosen},
-            gap=None if reference is None else _gap(candidate.motion, reference),
+            gap=None if reference is None else _gap(candidate, reference),
         )
         for name, candidate in candidates.items()
     )
@@ -114,9 +114,11 @@ def compare(
     return Comparison(points=vias, times=instants, profiles=rows, unsuitable=unsuitable, objectives=chosen, own=shown)
 
 
-def _gap(motion: Motion, reference: Callable[[Motion], Reference]) -> Gap:
+def _gap(candidate: Candidate, reference: Callable[[Motion], Reference]) -> Gap:
+    if candidate.tool_limits is not None:
+        return Gap(reason="the reference knows no limits of the tool")
     try:
-        found = reference(motion)
+        found = reference(candidate.motion)
     except (InputError, NoSolution) as error:
         return Gap(reason=str(error))
     return Gap(least_duration=found.given.duration, reference_duration=found.certified.duration)

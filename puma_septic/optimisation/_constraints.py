@@ -18,12 +18,13 @@ from puma_septic.paths import TOOL, ToolLimits, tool_rates
 from puma_septic.piecewise import Extrema
 from puma_septic.quantities import MOTION, QUANTITIES
 from puma_septic.robot import Robot
-from puma_septic.validation import Array, checked_array, checked_choice, n_dimensions
+from puma_septic.validation import Array, checked_array, checked_choice, checked_kind, checked_number, n_dimensions
 from puma_septic.views.tables import Cell, text_table
 
 __all__ = [
     "Excess",
     "Verdict",
+    "check_cell",
     "checked_quantities",
     "excess_function",
     "known_quantities",
@@ -58,7 +59,7 @@ def excess_function(
             raise InputError("max_overshoot must not be negative, in rad")
         checks.append(lambda candidate: _beyond_hull(candidate, bound))
     checks += [_limit_check(robot, quantity) for quantity in keep]
-    if floor is not None or tool_limits is not None:
+    if robot is not None and (floor is not None or tool_limits is not None):
         checks.append(_cell_check(robot, floor, tool_limits))
     return lambda candidate: np.concatenate([np.zeros(0), *(check(candidate) for check in checks)])
 
@@ -94,10 +95,18 @@ def _limit_check(robot: Robot | None, quantity: str) -> Excess:
     return lambda candidate: _beyond_extrema(candidate.motion.signal(quantity).extrema(), limit)
 
 
-def _cell_check(robot: Robot | None, floor: float | None, tool_limits: ToolLimits | None) -> Excess:
-    """What the cell asks of the arm: each of its parts above the floor, the tool within its limits."""
-    if robot is None:
+def check_cell(robot: Robot | None, floor: float | None, tool_limits: ToolLimits | None) -> None:
+    """Raise an InputError for a floor or limits of the tool that are none, or that stand without the robot."""
+    if floor is not None:
+        checked_number("floor", floor, unit="m")
+    if tool_limits is not None:
+        checked_kind("tool_limits", tool_limits, ToolLimits)
+    if robot is None and (floor is not None or tool_limits is not None):
         raise InputError("a floor and limits of the tool need the robot: give robot=...")
+
+
+def _cell_check(robot: Robot, floor: float | None, tool_limits: ToolLimits | None) -> Excess:
+    """What the cell asks of the arm: each of its parts above the floor, the tool within its limits."""
 
     def excess(candidate: Candidate) -> Array:
         trajectory, found = candidate.trajectory, [np.zeros(0)]

@@ -15,6 +15,7 @@ from puma_septic.limit_check import AT_LIMIT
 from puma_septic.objectives import Candidate
 from puma_septic.optimisation._constraints import (
     Verdict,
+    check_cell,
     checked_quantities,
     excess_function,
     known_quantities,
@@ -258,6 +259,7 @@ def least_time(
     (1.2599, True)
     """
     quantities = _respected(robot, keep)
+    check_cell(robot, floor, tool_limits)
     total = 1.0 if n_dimensions(times) == 0 else numbers("times", times) / float(np.ptp(numbers("times", times)))
     untimed = [name for name in quantities if name == "position"]
     setting = checked_setting(

@@ -12,7 +12,14 @@ from numpy.typing import ArrayLike
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.objectives import Candidate, Objective, find_torques
 from puma_septic.optimisation._analytic import best_free_values
-from puma_septic.optimisation._constraints import Excess, Verdict, checked_quantities, excess_function, verdict_of
+from puma_septic.optimisation._constraints import (
+    Excess,
+    Verdict,
+    check_cell,
+    checked_quantities,
+    excess_function,
+    verdict_of,
+)
 from puma_septic.optimisation._search import COARSE, FINE, KEPT, Found, Problem, search
 from puma_septic.optimisation._variables import MakeTrajectory, Variables, checked_variables
 from puma_septic.paths import ToolLimits
@@ -173,6 +180,7 @@ def checked_setting(
     if robot is not None and robot.n_joints != n_joints:
         raise InputError(f"points: {n_joints} joints, but robot {robot.name!r} has {robot.n_joints}")
     quantities = checked_quantities(keep)
+    check_cell(robot, floor, tool_limits)
     return Setting(
         variables=variables,
         excess=excess_function(

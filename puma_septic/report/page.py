@@ -29,9 +29,9 @@ from puma_septic.pictures import (
     torque_picture,
     utilisation_picture,
 )
+from puma_septic.report._case import Case
 from puma_septic.report._rendering import render
 from puma_septic.report._sections import (
-    Case,
     Optimised,
     Reported,
     case_of,

@@ -100,7 +100,10 @@ def _checks_of(document: Document) -> list[Any]:
 
 def reserve_lines(document: Document) -> list[str]:
     """What the drives could do more, where that was asked: a sentence each."""
-    words = {"cycle_time": ("least cycle time", "s"), "payload": ("largest payload", "kg")}
+    words = {
+        "cycle_time": ("least cycle time by the drives alone", "s"),
+        "payload": ("largest payload by the drives alone", "kg"),
+    }
     lines = []
     for key, end in document.get("reserves", {}).items():
         name, unit = words[key]

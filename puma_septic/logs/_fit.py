@@ -13,7 +13,6 @@ from typing import Final, Literal, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import BSpline
-from scipy.linalg import solve_banded
 
 from puma_septic.errors import InputError
 from puma_septic.logs._breaks import find_breaks
@@ -21,6 +20,7 @@ from puma_septic.logs._clock import even_stamps
 from puma_septic.logs._file import JointLog
 from puma_septic.logs._noise import encoder_step, sample_noise
 from puma_septic.logs._rests import Ends, EndsRule, ends_of, find_rests
+from puma_septic.logs._slopes import has_velocities, through_slopes
 from puma_septic.logs._smoothing import Smoothed, even_knots, smooth_joint
 from puma_septic.logs._spline import (
     DEGREE,
@@ -33,7 +33,6 @@ from puma_septic.logs._spline import (
 )
 from puma_septic.logs._spread import Spread, noise_doubts, sample_doubts, sample_remarks, through
 from puma_septic.logs._suspicions import suspicions
-from puma_septic.profiles import quintic
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_array, checked_choice, checked_texts, checked_times, n_dimensions
 
@@ -51,9 +50,6 @@ _ROUNDING: Final = 1e-14
 _CERTAIN: Final = 4.0
 # Part of the residual that is left to noise where jitter explains nearly all of it.
 _LEAST_PLAIN: Final = 0.01
-
-# Velocities that differ by this part of the joint's largest are one: splines through a hundred samples miss less.
-_SAME: Final = 1e-6
 
 Smoothing = ArrayLike | Literal["auto"] | None
 
@@ -198,9 +194,9 @@ def fit_trajectory(
         resolution=resolution,
         ends=ends,
     ).trajectory
-    if v is None or (a is None and _has_velocities(alone, v)):
+    if v is None or (a is None and has_velocities(alone, v)):
         return alone
-    return _through_slopes(alone, v, a, ends)
+    return through_slopes(alone, v, a, ends)
 
 
 def fit_samples(
@@ -452,45 +448,3 @@ def _nearest(t: Array, q: Array, breaks: Array, ends: Ends, rests: NDArray[np.in
         parts.append(Smoothed(coefficients=c, noise=noise, factor=factor, merged=merged))
     spline = as_spline(knots, [part.coefficients for part in parts])
     return Spread(spline=spline, times=t, noise=np.array([part.noise for part in parts]), parts=tuple(parts))
-
-
-def _has_velocities(fitted: Trajectory, v: Array) -> bool:
-    """Whether a trajectory has these velocities at its times, but for what a spline through many samples misses."""
-    return bool((np.abs(fitted(fitted.times, 1) - v) <= _SAME * np.abs(v).max(axis=0)).all())
-
-
-def _through_slopes(alone: Trajectory, v: Array, a: ArrayLike | None, ends: EndsRule) -> Trajectory:
-    """Quintics through positions, velocities and, where given, accelerations; it moves at its ends where v says so."""
-    q = alone.points
-    accelerations = _smooth_jerk(alone.times, q, v) if a is None else checked_array("a", a, q.shape)
-    still = np.abs(v[[0, -1]]) <= _SAME * np.abs(v).max(axis=0)
-    rests = {"auto": still.all(axis=1), "rest": (True, True), "moving": (False, False)}[ends]
-    return Trajectory(
-        position=quintic(q, alone.times, velocities=v, accelerations=accelerations).position,
-        points=q,
-        times=alone.times,
-        profile="fit_trajectory",
-        joint_names=alone.joint_names,
-        rest_before=bool(rests[0]),
-        rest_after=bool(rests[1]),
-    )
-
-
-def _smooth_jerk(t: Array, q: Array, v: Array) -> Array:
-    """The accelerations that make the jerk of quintics through q and v continuous; zero at both ends.
-
-    On a step of T with slope m = (q1 - q0)/T, the quintic's jerk at its start is
-    ``(60 m - 36 v0 - 24 v1)/T^2 - (9 a0 - 3 a1)/T`` and at its end
-    ``(60 m - 24 v0 - 36 v1)/T^2 - (3 a0 - 9 a1)/T``: a tridiagonal system.
-    """
-    if len(t) == 2:
-        return np.zeros_like(q)
-    T = np.diff(t)[:, None]
-    slope = np.diff(q, axis=0) / T
-    start = (60 * slope - 36 * v[:-1] - 24 * v[1:]) / T**2
-    end = (60 * slope - 24 * v[:-1] - 36 * v[1:]) / T**2
-    bands = np.zeros((3, len(t) - 2))
-    bands[1] = 9 * (1 / T[:-1] + 1 / T[1:])[:, 0]
-    bands[0, 1:] = bands[2, :-1] = -3 / T[1:-1, 0]
-    rest = np.zeros((1, q.shape[1]))
-    return np.concatenate([rest, solve_banded((1, 1), bands, start[1:] - end[:-1]), rest])

@@ -14,6 +14,7 @@ from puma_septic.assessment import Assessment, LimitCheck
 from puma_septic.doctor import CODES, examine
 from puma_septic.errors import InputError
 from puma_septic.gate import START_TOLERANCE, check_trajectory
+from puma_septic.paths import ToolLimits
 from puma_septic.quantities import QUANTITIES
 from puma_septic.robot import Robot
 from puma_septic.ros import read_joint_trajectories
@@ -72,6 +73,8 @@ def assert_trajectory_ok(
     start: ArrayLike | None = None,
     start_tolerance: float = START_TOLERANCE,
     allow: Iterable[str] = (),
+    floor: float | None = None,
+    tool_limits: ToolLimits | None = None,
 ) -> None:
     """Fail unless every JointTrajectory in a file may go to the robot; the gate of ``puma-septic check``.
 
@@ -86,6 +89,8 @@ def assert_trajectory_ok(
         rad (m).
     allow : iterable of str
         Reasons that do not count, such as "limit_unknown:jerk"; see `check_trajectory`.
+    floor, tool_limits : optional
+        What the cell asks: as `assess` takes them.
 
     Raises
     ------
@@ -109,7 +114,15 @@ def assert_trajectory_ok(
     allowed = tuple(allow)
     for planned in read_joint_trajectories(path, robot, start=start):
         place = None if planned.start is None else planned.start.position
-        check = check_trajectory(robot, planned.trajectory, start=place, start_tolerance=start_tolerance, allow=allowed)
+        check = check_trajectory(
+            robot,
+            planned.trajectory,
+            start=place,
+            start_tolerance=start_tolerance,
+            allow=allowed,
+            floor=floor,
+            tool_limits=tool_limits,
+        )
         if not check.is_ok:
             raise AssertionError(f"{planned.origin}: {check}")
 

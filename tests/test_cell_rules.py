@@ -1,6 +1,6 @@
 """What a cell asks of any motion, a floor and limits of the tool, is held by every question that has a verdict.
 
-It was held by `assess` alone: `optimise`, `limits` and `study` called motions feasible that `assess` refused.
+It was held by `assess` alone: `optimise`, `limits`, `study` and `check` called motions feasible that `assess` refused.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import puma_septic as ps
 from puma_septic.cli import main
 from puma_septic.limit_check import most_used_first
 from puma_septic.paths import ToolLimits
+from puma_septic.testing import assert_trajectory_ok
 
 # The arm turns down from 0.2 to -0.5 and up to 0.3 rad about the shoulder while it turns about the base.
 POINTS = np.array([[0.0, 0.2, -1.6, 0.0, 0.3, 0.0], [0.5, -0.5, -1.6, 0.0, 0.3, 0.0], [1.0, 0.3, -1.6, 0.0, 0.3, 0.0]])
@@ -78,6 +79,42 @@ def test_a_comparison_calls_no_profile_feasible_that_its_tool_limits_refuse(puma
     held = ps.compare(puma, POINTS, TIMES, profiles=names, tool_limits=ToolLimits(speed=float(limit)))
     for row in held.profiles:
         assert row.assessment.is_feasible == (speeds[row.name] <= limit)
+
+
+def test_the_gate_lets_nothing_pass_that_breaks_the_cell_s_rules(motion: ps.Motion, tmp_path: Path) -> None:
+    """Just below the speed of the motion, and just above its lowest point; at them it passes."""
+    robot, move = motion.robot, motion.trajectory
+    speed, lowest = _speed(motion), ps.assess(motion).lowest
+    held = {"floor": lowest.height - 1e-9, "tool_limits": ToolLimits(speed=speed, source="cell")}
+    fits = ps.check_trajectory(robot, move, allow=["limit_unknown"], **held)
+    assert fits.verdict == "ok"
+    assert [check.quantity for check in fits.cell_margins] == ["speed", "height"]
+    assert fits.worst is not None
+    assert (fits.worst.joint, fits.worst.quantity) == ("tool", "speed")
+    broken = {"floor": lowest.height + 1e-3, "tool_limits": ToolLimits(speed=speed * 0.99, source="cell")}
+    refused = ps.check_trajectory(robot, move, allow=["limit_unknown"], **broken)
+    assert refused.verdict == "violated"
+    found = {(one.code, one.joint, one.quantity) for one in refused.reasons if not one.allowed}
+    assert found == {("tool_limit", "tool", "speed"), ("below_floor", lowest.part, "height")}
+    assert "below the floor" in str(refused)
+    named = ps.profiles.quintic_spline(POINTS, TIMES, joint_names=robot.joint_names)
+    file = ps.write_joint_trajectory(tmp_path / "plan.yaml", named)
+    assert_trajectory_ok(file, robot, allow=["limit_unknown"], floor=lowest.height - 1e-6)
+    with pytest.raises(AssertionError, match="below_floor: "):
+        assert_trajectory_ok(file, robot, allow=["limit_unknown"], floor=broken["floor"])
+
+
+def test_a_stretch_slows_the_tool_and_lifts_no_arm(motion: ps.Motion) -> None:
+    robot, move = motion.robot, motion.trajectory
+    stretch = ps.least_stretch(robot, move, tool_limits=ToolLimits(speed=_speed(motion) / 3))
+    assert stretch.factor == pytest.approx(3, rel=1e-9)
+    assert stretch.governing is not None
+    assert (stretch.governing.joint, stretch.governing.quantity) == ("tool", "speed")
+    with pytest.raises(ps.NoSolution, match="below the floor"):
+        ps.least_stretch(robot, move, floor=ps.assess(motion).lowest.height + 1e-3)
+    jerk = ToolLimits(jerk=1.0)
+    with pytest.raises(ps.NoSolution, match="a step remains a step"):
+        ps.least_stretch(robot, ps.profiles.trapezoidal(POINTS[:2], TIMES[:2], blend_time=0.3), tool_limits=jerk)
 
 
 LEANING = np.array(

@@ -51,6 +51,12 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="a reason that is reported but does not count, such as limit_unknown:jerk, drive_unknown,"
         " unbounded_acceleration or moving_end (repeatable)",
     )
+    parser.add_argument(
+        "--floor", type=float, metavar="M", help="height that no joint and not the tool may come below, from the base"
+    )
+    parser.add_argument(
+        "--tool-speed", type=float, metavar="M/S", help="maximum speed of the tool, such as 0.25 by hand (ISO 10218-1)"
+    )
     parser.add_argument("--topic", metavar="NAME", help="topic of a recording: JointTrajectory, or JointState as a log")
     add_format(parser, "text", "json", "csv")
     parser.add_argument(

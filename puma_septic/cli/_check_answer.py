@@ -28,6 +28,7 @@ from puma_septic.gate import (
     checked_allowances,
     fixed,
 )
+from puma_septic.paths import ToolLimits
 from puma_septic.quantities import QUANTITIES
 from puma_septic.robot import Payload, Robot, load_robot, robot_files
 from puma_septic.ros import (
@@ -62,11 +63,26 @@ class _Checked:
     planned: PlannedTrajectory | None = None
 
 
+@final
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class _Asked:
+    """What every trajectory is held against beside the robot's limits, and what does not count."""
+
+    start_tolerance: float
+    allow: tuple[str, ...]
+    floor: float | None
+    tool_speed: float | None
+
+    @property
+    def rules(self) -> dict[str, Any]:
+        """As arguments of `check_trajectory` and `fixed`."""
+        limits = None if self.tool_speed is None else ToolLimits(speed=self.tool_speed, source="--tool-speed")
+        return {"allow": self.allow, "floor": self.floor, "tool_limits": limits}
+
+
 def answer(arguments: Namespace) -> Answer:
     """Check every trajectory of every file; the exit code is that of the worst."""
-    allow = tuple(sorted(checked_allowances(arguments.allow, tuple(QUANTITIES))))
-    tolerance = START_TOLERANCE if arguments.start_tolerance is None else arguments.start_tolerance
-    checked_number("--start-tolerance", tolerance, unit="rad", at_least=0.0)
+    asked = _asked(arguments)
     if arguments.effort and arguments.fix is None:
         raise InputError("--effort goes with --fix: the efforts are those of the trajectory that is written")
     inputs: list[dict[str, str]] = []
@@ -77,18 +93,28 @@ def answer(arguments: Namespace) -> Answer:
     except PumaSepticError as error:
         results = [_invalid(path, [_refusal("setup_invalid", error)]) for path in arguments.files]
     else:
-        results = [
-            one for path in arguments.files for one in _checked(path, robot, start, (tolerance, allow), arguments.topic)
-        ]
+        results = [one for path in arguments.files for one in _checked(path, robot, start, asked, arguments.topic)]
         if arguments.fix is not None:
-            fix = _fix(arguments, robot, results, allow)
+            fix = _fix(arguments, robot, results, asked)
     verdict = max((one.check.verdict for one in results), key=VERDICTS.index)
     if arguments.format in ("json", "csv"):
-        document = _document(arguments, results, inputs, (tolerance, allow), fix)
+        document = _document(arguments, results, inputs, asked, fix)
         text = to_json(document) if arguments.format == "json" else _csv(document)
     else:
         text = _text(results, inputs, verdict, fix)
     return Answer(text, EXIT_CODES[verdict])
+
+
+def _asked(arguments: Namespace) -> _Asked:
+    tolerance = START_TOLERANCE if arguments.start_tolerance is None else arguments.start_tolerance
+    return _Asked(
+        start_tolerance=checked_number("--start-tolerance", tolerance, unit="rad", at_least=0.0),
+        allow=tuple(sorted(checked_allowances(arguments.allow, tuple(QUANTITIES)))),
+        floor=None if arguments.floor is None else checked_number("--floor", arguments.floor, unit="m"),
+        tool_speed=None
+        if arguments.tool_speed is None
+        else checked_number("--tool-speed", arguments.tool_speed, unit="m/s", above=0.0),
+    )
 
 
 def _robot(arguments: Namespace, inputs: list[dict[str, str]]) -> Robot:
@@ -119,16 +145,14 @@ def _start(text: str | None, robot: Robot, inputs: list[dict[str, str]]) -> Join
     return JointState(joint_names=robot.joint_names, position=position, velocity=np.zeros(robot.n_joints))
 
 
-def _checked(
-    path: str, robot: Robot, start: JointState | None, how: tuple[float, tuple[str, ...]], topic: str | None
-) -> Iterator[_Checked]:
+def _checked(path: str, robot: Robot, start: JointState | None, asked: _Asked, topic: str | None) -> Iterator[_Checked]:
     """The trajectories of one file; what cannot be read is a result too."""
     try:
         if _is_log(Path(path), topic):
-            yield _checked_log(path, robot, how, topic)
+            yield _checked_log(path, robot, asked, topic)
             return
         for planned in read_joint_trajectories(path, robot, start=start, topic=topic):
-            yield _held(path, robot, planned, how)
+            yield _held(path, robot, planned, asked)
     except JointTrajectoryError as error:
         if _is_task(path):
             how_else = f"puma-septic assess {path} assesses it, with --write it makes a JointTrajectory of it"
@@ -156,11 +180,12 @@ def _is_task(path: str) -> bool:
     return True
 
 
-def _held(path: str, robot: Robot, planned: PlannedTrajectory, how: tuple[float, tuple[str, ...]]) -> _Checked:
-    tolerance, allow = how
+def _held(path: str, robot: Robot, planned: PlannedTrajectory, asked: _Asked) -> _Checked:
     start = None if planned.start is None else planned.start.position
     try:
-        check = check_trajectory(robot, planned.trajectory, start=start, start_tolerance=tolerance, allow=allow)
+        check = check_trajectory(
+            robot, planned.trajectory, start=start, start_tolerance=asked.start_tolerance, **asked.rules
+        )
     except InputError as error:
         check = TrajectoryCheck(assessment=None, margins=(), reasons=(_refusal("unresolvable", error),))
     notes = [*planned.notes, *check.notes]
@@ -180,12 +205,11 @@ def _is_log(path: Path, topic: str | None) -> bool:
     return _JOINT_STATE in topics.values() and not any(kind.endswith("Trajectory") for kind in topics.values())
 
 
-def _checked_log(path: str, robot: Robot, how: tuple[float, tuple[str, ...]], topic: str | None) -> _Checked:
+def _checked_log(path: str, robot: Robot, asked: _Asked, topic: str | None) -> _Checked:
     log = read_joint_state_log(path, robot, topic=topic)
     # By its public name, which loads it here: SciPy takes longer to load than a trajectory to check.
     trajectory = puma_septic.fit_trajectory(log.t, log.q, joint_names=robot.joint_names, continuous=robot.is_continuous)
-    tolerance, allow = how
-    check = check_trajectory(robot, trajectory, start_tolerance=tolerance, allow=allow)
+    check = check_trajectory(robot, trajectory, start_tolerance=asked.start_tolerance, **asked.rules)
     notes = (
         *log.notes,
         "joint states, interpolated by a quintic spline: their noise is in the accelerations",
@@ -209,13 +233,13 @@ def _invalid(path: str, reasons: Sequence[Reason]) -> _Checked:
     )
 
 
-def _fix(arguments: Namespace, robot: Robot, results: Sequence[_Checked], allow: tuple[str, ...]) -> dict[str, Any]:
+def _fix(arguments: Namespace, robot: Robot, results: Sequence[_Checked], asked: _Asked) -> dict[str, Any]:
     """Write the stretched trajectory, or say why there is none."""
     planned = [one.planned for one in results if one.planned is not None]
     if len(results) != 1 or len(planned) != 1:
         raise InputError(f"--fix goes with one trajectory that can be read; there are {len(planned)}")
     try:
-        made = fixed(robot, planned[0], allow=allow, effort=arguments.effort)
+        made = fixed(robot, planned[0], effort=arguments.effort, **asked.rules)
     except (NoSolution, InputError) as error:  # InputError: friction of a kind that a stretch does not know
         return {"path": None, "message": str(error)}
     path = write_message(arguments.fix, made.message)
@@ -239,7 +263,7 @@ def _document(
     arguments: Namespace,
     results: Sequence[_Checked],
     inputs: Sequence[dict[str, str]],
-    how: tuple[float, tuple[str, ...]],
+    asked: _Asked,
     fix: dict[str, Any] | None,
 ) -> dict[str, Any]:
     verdict = max((one.check.verdict for one in results), key=VERDICTS.index)
@@ -249,8 +273,10 @@ def _document(
         "verdict": verdict,
         "exit_code": EXIT_CODES[verdict],
         "robot": arguments.robot,
-        "start_tolerance": how[0],
-        "allow": list(how[1]),
+        "start_tolerance": asked.start_tolerance,
+        "allow": list(asked.allow),
+        "floor": asked.floor,
+        "tool_speed": asked.tool_speed,
         "inputs": list(inputs),
         "trajectories": [
             {"path": one.path, "origin": one.origin, "sha256": one.sha256, **one.check.to_dict()} for one in results
@@ -264,7 +290,7 @@ def _csv(document: dict[str, Any]) -> str:
     rows: list[dict[str, Any]] = []
     for one in document["trajectories"]:
         head = {key: one[key] for key in ("path", "origin", "verdict")}
-        rows += [{**head, **margin} for margin in one["margins"]] or [head]
+        rows += [{**head, **margin} for margin in (*one["margins"], *one["cell_margins"])] or [head]
     return records_csv(rows)
 
 

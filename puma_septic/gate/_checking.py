@@ -14,6 +14,7 @@ from puma_septic.assessment import Assessment, LimitCheck, assess
 from puma_septic.document import card, one_line
 from puma_septic.gate._reasons import DRIVE_VALUES, Reason, checked_allowances, verdict_of
 from puma_septic.limits import AT_REST
+from puma_septic.paths import ToolLimits
 from puma_septic.quantities import MAGNITUDES, QUANTITIES
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
@@ -42,12 +43,15 @@ class TrajectoryCheck:
         What speaks against it, the worst first; what is allowed last.
     notes : tuple of str
         What was taken for granted.
+    cell_margins : tuple of LimitCheck
+        Of the tool's limits and the floor, where there are some.
     """
 
     assessment: Assessment | None
     margins: tuple[LimitCheck, ...]
     reasons: tuple[Reason, ...]
     notes: tuple[str, ...] = ()
+    cell_margins: tuple[LimitCheck, ...] = ()
 
     @property
     def verdict(self) -> str:
@@ -62,7 +66,7 @@ class TrajectoryCheck:
     @property
     def worst(self) -> LimitCheck | None:
         """The governing limit, None where none is known."""
-        return max(self.margins, key=lambda check: check.utilisation, default=None)
+        return max((*self.margins, *self.cell_margins), key=lambda check: check.utilisation, default=None)
 
     def to_dict(self) -> dict[str, Any]:
         """A JSON-ready document; numbers in SI units, "unbounded" for infinity, null for what is not known.
@@ -75,6 +79,7 @@ class TrajectoryCheck:
             "verdict": self.verdict,
             "reasons": [reason.to_dict() for reason in self.reasons],
             "margins": [margin.to_dict() for margin in self.margins],
+            "cell_margins": [margin.to_dict() for margin in self.cell_margins],
             "notes": list(self.notes),
         }
 
@@ -102,6 +107,8 @@ def check_trajectory(
     start: ArrayLike | None = None,
     start_tolerance: float = START_TOLERANCE,
     allow: Iterable[str] = (),
+    floor: float | None = None,
+    tool_limits: ToolLimits | None = None,
 ) -> TrajectoryCheck:
     """Whether a planned trajectory may go to the robot; closed where something is not known.
 
@@ -122,6 +129,8 @@ def check_trajectory(
         Reasons that are told but do not count: codes out of "limit_unknown", "drive_unknown", "torque_unknown",
         "doubtful", "unbounded_acceleration", "unbounded_jerk", "unbounded_effort", "moving_start", "moving_end"; the
         first two also for one quantity, such as "limit_unknown:jerk" or "drive_unknown:rotor_inertia".
+    floor, tool_limits : optional
+        What the cell asks: as `assess` takes them.
 
     Returns
     -------
@@ -153,7 +162,7 @@ def check_trajectory(
     if place is not None:
         reasons += _start_mismatch(robot, trajectory, place, tolerance)
     reasons += _unknown_torques(robot, allowed)
-    assessment = assess(robot, judged)
+    assessment = assess(robot, judged, floor=floor, tool_limits=tool_limits)
     reasons += _doubts(assessment, allowed)
     margins = []
     for check in assessment.checks:
@@ -163,8 +172,17 @@ def check_trajectory(
         if not np.isnan(finite.limit):
             margins.append(finite)
             if finite.is_violated:
-                reasons.append(_violation(finite))
-    return TrajectoryCheck(assessment=assessment, margins=tuple(margins), reasons=_sorted(reasons), notes=notes)
+                reasons.append(_violation(f"{finite.quantity}_limit", finite))
+    height = () if assessment.floor_check is None else (assessment.floor_check,)
+    for code, checks in (("tool_limit", assessment.tool_checks), ("below_floor", height)):
+        reasons += [_violation(code, check) for check in checks if check.is_violated]
+    return TrajectoryCheck(
+        assessment=assessment,
+        margins=tuple(margins),
+        reasons=_sorted(reasons),
+        notes=notes,
+        cell_margins=(*assessment.tool_checks, *height),
+    )
 
 
 def _unknown_torques(robot: Robot, allowed: frozenset[str]) -> list[Reason]:
@@ -306,8 +324,8 @@ def _unbounded(check: LimitCheck, allowed: frozenset[str]) -> Reason:
     )  # fmt: skip
 
 
-def _violation(check: LimitCheck) -> Reason:
+def _violation(code: str, check: LimitCheck) -> Reason:
     return Reason(
-        code=f"{check.quantity}_limit", message=str(check), joint=check.joint, quantity=check.quantity,
+        code=code, message=str(check), joint=check.joint, quantity=check.quantity,
         time=check.time, demand=check.demand, limit=check.limit, unit=check.unit,
     )  # fmt: skip

@@ -40,6 +40,8 @@ _VIOLATED: Final = {
     "unbounded_jerk": "the acceleration steps and the joint has a jerk limit",
     "unbounded_effort": "a step of velocity, of this joint or one coupled to it, needs an infinite torque",
     "start_mismatch": "the first point is farther from the start state than the tolerance",
+    "tool_limit": "the tool exceeds what it may do in its cell",
+    "below_floor": "a joint or the tool comes below the floor",
     "moving_start": "the motion begins with a velocity, from rest",
     "moving_end": "the motion ends with a velocity; the controller refuses that by default",
 }

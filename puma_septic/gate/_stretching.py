@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Final, final
+from typing import Any, Final, final
 
 from puma_septic.assessment import Assessment, LimitCheck
 from puma_septic.dynamics import check_inertia
@@ -12,6 +12,7 @@ from puma_septic.errors import NoSolution
 from puma_septic.gate._checking import TrajectoryCheck, check_trajectory
 from puma_septic.limits import assessed_at, feasible_rates
 from puma_septic.motion import compute_motion
+from puma_septic.paths import ToolLimits
 from puma_septic.robot import Robot
 from puma_septic.ros import JointTrajectoryMessage, PlannedTrajectory, interpolated
 from puma_septic.trajectory import Trajectory
@@ -41,7 +42,9 @@ class Stretch:
     governing: LimitCheck | None
 
 
-def least_stretch(robot: Robot, trajectory: Trajectory) -> Stretch:
+def least_stretch(
+    robot: Robot, trajectory: Trajectory, *, floor: float | None = None, tool_limits: ToolLimits | None = None
+) -> Stretch:
     """The least uniform stretch of time, 1 or more, by which a motion from rest to rest keeps all known limits.
 
     The largest of the rates that `minimum_duration` finds, up to 1: a longer motion need not be feasible. The result is
@@ -51,6 +54,8 @@ def least_stretch(robot: Robot, trajectory: Trajectory) -> Stretch:
     ----------
     robot : Robot
     trajectory : Trajectory
+    floor, tool_limits : optional
+        What the cell asks: as `assess` takes them.
 
     Returns
     -------
@@ -75,13 +80,13 @@ def least_stretch(robot: Robot, trajectory: Trajectory) -> Stretch:
     (True, 1.607, 'effort')
     """
     motion = compute_motion(robot, trajectory)
-    first = assessed_at(motion, 1.0)
+    first = assessed_at(motion, 1.0, floor=floor, tool_limits=tool_limits)
     if first.keeps_limits:
         return Stretch(factor=1.0, trajectory=trajectory, assessment=first.assessment, governing=None)
     rates = feasible_rates(motion, first.assessment, highest=1.0)
     if not len(rates.feasible.intervals):
         raise rates.nothing_helps()
-    answer = assessed_at(motion, float(rates.feasible.intervals[-1, 1]))
+    answer = assessed_at(motion, float(rates.feasible.intervals[-1, 1]), floor=floor, tool_limits=tool_limits)
     if not answer.keeps_limits:
         check = answer.checks[0]
         raise NoSolution(
@@ -122,14 +127,22 @@ class Fixed:
     governing: LimitCheck | None
 
 
-def fixed(robot: Robot, planned: PlannedTrajectory, *, allow: Iterable[str] = (), effort: bool = False) -> Fixed:
+def fixed(
+    robot: Robot,
+    planned: PlannedTrajectory,
+    *,
+    allow: Iterable[str] = (),
+    effort: bool = False,
+    floor: float | None = None,
+    tool_limits: ToolLimits | None = None,
+) -> Fixed:
     """The least uniform stretch of a planned trajectory that holds, as a message, checked as it will be read.
 
     Parameters
     ----------
     robot : Robot
     planned : PlannedTrajectory
-    allow : iterable of str
+    allow, floor, tool_limits : optional
         As for `check_trajectory`.
     effort : bool
         Fill the effort fields with the torque at the points; a controller without an effort interface rejects them.
@@ -145,18 +158,18 @@ def fixed(robot: Robot, planned: PlannedTrajectory, *, allow: Iterable[str] = ()
     ModelError
         For effort of an arm whose torque is not known.
     """
-    allowed = tuple(allow)
+    held: dict[str, Any] = {"allow": tuple(allow), "floor": floor, "tool_limits": tool_limits}
     if effort:
         check_inertia(robot)
-    before = check_trajectory(robot, planned.trajectory, allow=allowed)
+    before = check_trajectory(robot, planned.trajectory, **held)
     # What the check takes for rest at the ends is no step to be stretched.
     judged = planned.trajectory if before.assessment is None else before.assessment.motion.trajectory
-    stretch = least_stretch(robot, judged)
+    stretch = least_stretch(robot, judged, floor=floor, tool_limits=tool_limits)
     for more in _MORE:
         factor = stretch.factor * (1 + more)
         message = planned.message if factor == 1 else planned.message.stretched(factor)
         trajectory = interpolated(message, planned.start, robot.is_continuous)
-        check = check_trajectory(robot, trajectory, allow=allowed)
+        check = check_trajectory(robot, trajectory, **held)
         if check.verdict != "violated":
             break
     else:

@@ -22,11 +22,12 @@ _BY_QUANTITY: Final = ("limit_unknown", "drive_unknown")
 
 def text(document: Document) -> str:
     """Verdict, reasons, the worst margin of each joint and quantity, and notes."""
-    margins = read_checks(document["margins"])
+    margins, cell = read_checks(document["margins"]), read_checks(document["cell_margins"])
     parts = [
-        _verdict_line(document, margins),
+        _verdict_line(document, [*margins, *cell]),
         "\n".join(_reason_lines(document["reasons"])),
         _margin_table(margins) if margins else "",
+        "\n".join(f"{margin}" for margin in cell),
         "\n".join(f"note: {note}" for note in document["notes"]),
     ]
     return "\n\n".join(part for part in parts if part)

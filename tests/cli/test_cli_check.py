@@ -45,6 +45,47 @@ def document(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, 
     return code, json.loads(out)
 
 
+# ---- the cell
+
+
+def test_floor_and_speed_of_the_tool_are_held(good: str, capsys: pytest.CaptureFixture[str]) -> None:
+    code, plain = document(capsys, good, *KNOWN)
+    assert (code, plain["floor"], plain["tool_speed"]) == (0, None, None)
+    assert plain["trajectories"][0]["cell_margins"] == []
+    code, found = document(capsys, good, *KNOWN, "--floor", "-2", "--tool-speed", "0.001")
+    assert (code, found["floor"], found["tool_speed"]) == (1, -2.0, 0.001)
+    speed, height = found["trajectories"][0]["cell_margins"]
+    assert (speed["joint"], speed["quantity"], speed["limit"]) == ("tool", "speed", 0.001)
+    assert speed["source"] == "--tool-speed"
+    assert height["quantity"] == "height"
+    assert height["margin"] > 0
+    (reason,) = [one for one in found["trajectories"][0]["reasons"] if not one["allowed"]]
+    assert reason["code"] == "tool_limit"
+
+
+def test_a_fix_keeps_the_tool_s_speed(good: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    speed = ["--tool-speed", "0.05"]
+    slower = str(tmp_path / "slower.yaml")
+    assert check(good, *KNOWN, *speed, "--fix", slower) == 1
+    assert "tool speed" in capsys.readouterr().out
+    assert check(slower, *KNOWN, *speed) == 0
+
+
+@pytest.mark.parametrize(
+    ("option", "told"),
+    [
+        (["--floor", "nan"], "--floor"),
+        (["--tool-speed", "0"], "--tool-speed"),
+        (["--tool-speed", "-1"], "--tool-speed"),
+    ],
+)
+def test_rules_that_are_none_are_refused(
+    good: str, option: list[str], told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert check(good, *option) == 2
+    assert told in capsys.readouterr().err
+
+
 # ---- exit codes and verdicts
 
 

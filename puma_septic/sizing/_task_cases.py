@@ -16,7 +16,15 @@ from puma_septic.robot import Payload, Robot
 from puma_septic.sizing._brake import worst_stops
 from puma_septic.sizing._conditions import Conditions
 from puma_septic.sizing._load_cases import LoadCase, worst_poses
-from puma_septic.task import ConditionsSection, LoadCaseSection, ResolvedCycle, ResolvedTask, load_task, resolve_task
+from puma_septic.task import (
+    ConditionsSection,
+    LoadCaseSection,
+    ResolvedCycle,
+    ResolvedTask,
+    load_task,
+    resolve_cycle,
+    resolve_task,
+)
 
 __all__ = ["conditions_of", "cycle_case", "load_cases_of"]
 
@@ -114,12 +122,27 @@ def cycle_case(resolved: ResolvedCycle) -> LoadCase:
 
 
 def _of_cycle(resolved: ResolvedTask, section: LoadCaseSection) -> Iterator[LoadCase]:
-    moved = resolved
-    if section.task is not None:
-        moved = resolve_task(load_task(section.task))
-        if moved.robot.joint_names != resolved.robot.joint_names:
-            raise InputError(f"load case {section.name!r}: {section.task} is a task of another arm")
-    yield LoadCase(name=section.name, cycle=_cycle(moved, _loaded(moved, section), section), share=_share(section, 1.0))
+    other = None if section.task is None else load_task(section.task)
+    moved = resolved if other is None else resolve_cycle(other) if other.cycle else resolve_task(other)
+    if moved.robot.joint_names != resolved.robot.joint_names:
+        raise InputError(f"load case {section.name!r}: {section.task} is a task of another arm")
+    if isinstance(moved, ResolvedCycle):
+        cycle = _written_cycle(moved, section)
+    else:
+        cycle = _cycle(moved, _loaded(moved, section), section)
+    yield LoadCase(name=section.name, cycle=cycle, share=_share(section, 1.0))
+
+
+def _written_cycle(resolved: ResolvedCycle, section: LoadCaseSection) -> Cycle:
+    """Another task's cycle, which says itself what it carries and how it comes back."""
+    if told := sorted({"payload", "way"} & section.model_fields_set):
+        raise InputError(
+            f"load case {section.name!r}: {' and '.join(told)}: {section.task} is a cycle, which says that itself"
+        )
+    cycle = cycle_case(resolved).cycle
+    brake = (resolved.task.conditions or ConditionsSection()).brake_at_rest
+    idle = () if section.idle is None else (Dwell(duration=section.idle, holding_brake=brake),)
+    return Cycle(steps=(*cycle.steps, *idle)) if idle else cycle
 
 
 def _of_payload_range(resolved: ResolvedTask, section: LoadCaseSection) -> Iterator[LoadCase]:

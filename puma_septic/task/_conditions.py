@@ -113,7 +113,7 @@ class LoadCaseSection(Section):
     share : float
         Of the operating time, relative to the others; 0 for what only has to be kept.
     task : str
-        Another task file of the same arm, in place of this one's motion.
+        Another task file of the same arm, in place of this one's motion; where it has a cycle, with its own loads.
     payload : PayloadSection
         In place of the task's.
     way : {"return", "one way"}

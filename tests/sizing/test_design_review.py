@@ -248,6 +248,29 @@ def test_one_way_is_said_by_each_load_case() -> None:
             make_task({**text, "load_cases": [fault]})
 
 
+def test_a_load_case_is_another_task_s_cycle_with_its_own_loads(tmp_path: Path) -> None:
+    """There with 3 kg and back empty, a rest of 1 s and 2 s more of the load case: 1 + 1 + 1 + 2 = 5 s."""
+    points = [{"name": "a", "joints": [0.0] * 6}, {"name": "b", "joints": [0.5] * 6}]
+    other = {
+        "name": "pallet", "points": points, "cycle": [
+            {"grip": {"mass": 3.0}}, {"to": "b", "duration": 1.0}, "release", {"to": "a", "duration": 1.0},
+            {"dwell": 1.0},
+        ],
+    }  # fmt: skip
+    (tmp_path / "pallet.yaml").write_text(json.dumps(other))
+    case = {"name": "pallet", "task": str(tmp_path / "pallet.yaml"), "idle": 2.0, "share": 0.25}
+    text = {"name": "own", "points": points, "times": [0, 1], "profiles": ["quintic"]}
+    own, found = ps.sizing.load_cases_of(resolve_task(make_task({**text, "load_cases": [{"name": "own"}, case]})))
+    assert (own.cycle.duration, found.cycle.duration, found.share) == (2.0, 5.0, 0.25)
+    there, back = (step.robot.payload for step in found.cycle.steps if isinstance(step, ps.Motion))
+    assert there is not None
+    assert there.mass == 3.0
+    assert back is None
+    for key, value in (("payload", {"mass": 1.0}), ("way", "one way")):
+        with pytest.raises(ps.InputError, match=rf"load case 'pallet': {key}: .* is a cycle, which says that itself"):
+            ps.sizing.load_cases_of(resolve_task(make_task({**text, "load_cases": [{**case, key: value}]})))
+
+
 # ---- load cases
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Literal, final
 
@@ -24,6 +25,7 @@ __all__ = [
     "Flag",
     "add_colours",
     "add_joints",
+    "add_presence",
     "flags_of",
     "joint_paths",
     "key_times",
@@ -167,6 +169,13 @@ def add_colours(animation: Animation, path: str, used: Array, times: Array, star
     if not np.isnan(used).any():
         track = ("material.color", "color", colour_at(UTILISATION, used))
         _add(animation, f"{path}/<object>", times - start, [track])
+
+
+def add_presence(animation: Animation, path: str, parts: Sequence[Motion], there: Sequence[bool], begin: float) -> None:
+    """Show an object during some parts of a motion alone, which begins so many seconds after the scene's zero."""
+    if not all(there):
+        starts = begin + np.cumsum([0.0, *(part.trajectory.duration for part in parts[:-1])])
+        _add(animation, path, starts, [("visible", "bool", np.array(there))])
 
 
 def _add(animation: Animation, path: str, seconds: Array, tracks: list[tuple[str, str, Array]]) -> None:

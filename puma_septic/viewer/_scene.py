@@ -16,9 +16,19 @@ from meshcat.path import Path
 
 from puma_septic.assessment import Assessment
 from puma_septic.kinematics import forward_kinematics, singularity_distances, tool_motion
+from puma_septic.motion import Motion
 from puma_septic.robot import Payload, Robot
 from puma_septic.validation import Array
-from puma_septic.viewer._animation import Flag, add_colours, add_joints, flags_of, joint_paths, key_times, utilisation
+from puma_septic.viewer._animation import (
+    Flag,
+    add_colours,
+    add_joints,
+    add_presence,
+    flags_of,
+    joint_paths,
+    key_times,
+    utilisation,
+)
 from puma_septic.viewer._colours import UTILISATION, colour_at, profile_colour
 from puma_septic.viewer._shapes import Placed, octahedron, placed_shapes, rotated_y_to_z, tube
 
@@ -161,11 +171,23 @@ def _arm(
     frame = model.frames[robot.tool_id]
     tool = f"{paths[frame.parentJoint]}/tool"
     commands.append(SetTransform(frame.placement.homogeneous, Path().append(tool)))
-    if robot.payload is not None and robot.payload.mass > 0:
-        solid, place = _payload_body(robot.payload)
-        colour = _PAYLOAD if ghost is None else ghost
-        commands += _object(f"{tool}/payload", solid, place, _surface(colour, ghost=ghost is not None))
+    colour = _PAYLOAD if ghost is None else ghost
+    for k, (payload, there) in enumerate(_payloads(motion)):
+        commands += _object(f"{tool}/payload{k}", *_payload_body(payload), _surface(colour, ghost=ghost is not None))
+        add_presence(animation, f"{tool}/payload{k}", motion.parts, there, float(one.times[0]) - start)
     return commands
+
+
+def _payloads(motion: Motion) -> list[tuple[Payload, list[bool]]]:
+    """Everything that the arm carries along a motion, each with whether it does so in each of the motion's parts."""
+    carried = [part.robot.payload for part in motion.parts or (motion,)]
+    every = {_facts(payload): payload for payload in carried if payload is not None and payload.mass > 0}
+    there = {key: [other is not None and _facts(other) == key for other in carried] for key in every}
+    return [(payload, there[key]) for key, payload in every.items()]
+
+
+def _facts(payload: Payload) -> tuple[float, ...]:
+    return (payload.mass, *payload.com, *np.ravel(payload.inertia))
 
 
 def _solids(robot: Robot, path: Array) -> list[tuple[int, Array, Placed, bool]]:

@@ -240,7 +240,7 @@ def test_payload_is_a_body_at_the_tool(puma: ps.Robot) -> None:
     inertia = np.diag([0.02, 0.03, 0.04])
     box = small_move(puma.with_payload(ps.Payload(mass=2.0, com=(0, 0, 0.1), inertia=inertia)))
     ball = small_move(puma.with_payload(ps.Payload(mass=2.0)))
-    (path, thing), = ((p, o) for p, o in drawn(ps.replay_html(box)).items() if p.endswith("/tool/payload"))  # fmt: skip
+    ((path, thing),) = ((p, o) for p, o in drawn(ps.replay_html(box)).items() if p.endswith("/tool/payload0"))
     solid = thing["geometries"][0]
     sides = np.array([solid[name] for name in ("width", "height", "depth")])
     # A box of even density: I_x = m (b^2 + c^2) / 12 and so on.
@@ -249,8 +249,30 @@ def test_payload_is_a_body_at_the_tool(puma: ps.Robot) -> None:
     place = next(o["matrix"] for o in scene(ps.replay_html(box)) if o["path"] == path and o["type"] == "set_transform")
     np.testing.assert_allclose(np.reshape(place, (4, 4)).T[:3, 3], [0, 0, 0.1], atol=1e-7)
     ball_things = drawn(ps.replay_html(ball))
-    assert [o["geometries"][0]["type"] for p, o in ball_things.items() if p.endswith("payload")] == ["SphereGeometry"]
+    assert [o["geometries"][0]["type"] for p, o in ball_things.items() if "payload" in p] == ["SphereGeometry"]
     assert page_data(ps.replay_html(ball))["motions"][0]["payload"] == "2 kg"
+
+
+def test_a_cycle_carries_what_its_steps_carry(puma: ps.Robot) -> None:
+    """A payload was drawn all the way, also where the hand is empty or holds another."""
+    go = ps.quintic_segments([[0.0] * 6, [0.4] * 6], [0.0, 1.0])
+    back = ps.quintic_segments([[0.4] * 6, [0.0] * 6], [0.0, 2.0])
+    light, heavy = (puma.with_payload(ps.Payload(mass=mass)) for mass in (1.0, 2.0))
+    steps = [ps.compute_motion(light, go), ps.Dwell(duration=0.5), ps.compute_motion(puma, back),
+             ps.compute_motion(heavy, go), ps.compute_motion(light, back)]  # fmt: skip
+    html = ps.replay_html(ps.Cycle(steps=steps).motion)
+    assert sorted(path.rsplit("/", 1)[1] for path in drawn(html) if "payload" in path) == ["payload0", "payload1"]
+    seen = {
+        clip["path"].rsplit("/", 1)[1]: [(key["time"], key["value"]) for key in clip["clip"]["tracks"][0]["keys"]]
+        for command in scene(html)
+        if command["type"] == "set_animation"
+        for clip in command["animations"]
+        if "payload" in clip["path"]
+    }
+    assert seen == {
+        "payload0": [(0.0, True), (1.0, True), (1.5, False), (3.5, False), (4.5, True)],
+        "payload1": [(0.0, False), (1.0, False), (1.5, False), (3.5, True), (4.5, False)],
+    }
 
 
 def test_an_arm_without_shapes_is_drawn_as_sticks(tmp_path: Path) -> None:

@@ -105,6 +105,22 @@ def test_tool_is_where_forward_kinematics_says(page: Page, file: Path, paper: An
     np.testing.assert_allclose(seen[:3], expected[:3], atol=6 * 1.2 * ANGLE_ERROR)
 
 
+def test_a_payload_is_seen_while_it_is_carried(page: Page, tmp_path: Path) -> None:
+    """paper-straight carries 1 kg for 9 s and comes back with an empty hand."""
+    whole = ps.resolve_cycle(ps.load_task("paper-straight")).assess().whole
+    open_file(page, ps.write_replay(tmp_path / "cycle.html", whole))
+    seen = """() => {
+      let found = null;
+      replay.viewer.scene_tree.find(["meshcat", "motion0"]).object.traverse((o) => {
+        if (o.name === "payload0") found = o;
+      });
+      return found.visible;
+    }"""
+    for t, there in ((0.0, True), (8.9, True), (9.1, False), (17.0, False), (3.0, True)):
+        page.evaluate(f"replay.seek({t})")
+        assert page.evaluate(seen) == there, t
+
+
 def test_ghosts_move_on_their_own_profiles(page: Page, paper: Any, tmp_path: Path) -> None:
     open_file(page, ps.write_replay(tmp_path / "three.html", paper))
     page.evaluate("replay.seek(3.7)")

@@ -213,8 +213,33 @@ def pareto_front(
     rays = _rays(len(goals), checked_count("size", size, at_least=3))
     start = make(setting.variables.points, setting.variables.start)
     start_values = np.array([setting.bounded_value(goal, start) for goal in goals])
-    tried, values = _scanned(setting, goals, seed)
-    n_scanned = len(tried)
+    scan = _scanned(setting, goals, seed)
+    n_scanned = len(scan[0])
+    tried, values, found = _searched(setting, goals, rays, scan, progress)
+    best_kept(setting, found)
+    chosen = _chosen(values[n_scanned:])
+    trajectories = tuple(setting.variables.trajectory(x) for x in tried[n_scanned:][chosen])
+    verdicts = (setting.verdict(trajectory) for trajectory in trajectories)
+    return ParetoFront(
+        objectives=goals,
+        trajectories=trajectories,
+        values=read_only(values[n_scanned:][chosen]),
+        start=start,
+        start_values=read_only(start_values),
+        verdicts=tuple(verdict for verdict in verdicts if verdict is not None),
+        n_evaluations=n_scanned + sum(one.n_evaluations for one in found),
+    )
+
+
+def _searched(
+    setting: Setting,
+    goals: tuple[Objective, ...],
+    rays: Array,
+    scan: tuple[Array, Array],
+    progress: Progress | None,
+) -> tuple[Array, Array, list[Found]]:
+    """Variables and objectives, those of the scan and of the end of each search, and what the searches found."""
+    tried, values = scan
     found: list[Found] = []
     for k in range(len(goals) + len(rays)):
         # First each objective alone; they frame the front that the rays then cut.
@@ -232,19 +257,7 @@ def pareto_front(
         values = np.vstack([values, _values(setting, goals, refusable(setting.candidate, found[-1].x))])
         if progress is not None:
             progress(k + 1, len(goals) + len(rays))
-    best_kept(setting, found)
-    chosen = _chosen(values[n_scanned:])
-    trajectories = tuple(setting.variables.trajectory(x) for x in tried[n_scanned:][chosen])
-    verdicts = (setting.verdict(trajectory) for trajectory in trajectories)
-    return ParetoFront(
-        objectives=goals,
-        trajectories=trajectories,
-        values=read_only(values[n_scanned:][chosen]),
-        start=start,
-        start_values=read_only(start_values),
-        verdicts=tuple(verdict for verdict in verdicts if verdict is not None),
-        n_evaluations=n_scanned + sum(one.n_evaluations for one in found),
-    )
+    return tried, values, found
 
 
 def _rays(m: int, size: int) -> Array:

@@ -73,6 +73,11 @@ class Quantity:
         """Whether its limit is a lower and an upper bound, not a magnitude: so for positions."""
         return self.name == "position"
 
+    @property
+    def is_torque_derivative(self) -> bool:
+        """Whether it is a derivative of the torque, of which Coulomb friction, that steps, is no part."""
+        return self.signal == "torque" and self.order > 0
+
 
 _ROWS: Final = (
     Quantity(name="position", labels=("position",) * 2, signal="position", order=0, units=("rad", "m")),

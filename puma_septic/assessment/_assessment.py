@@ -9,8 +9,9 @@ from typing import Any, final
 
 import numpy as np
 
-from puma_septic.assessment._joints import PowerMetrics, coulomb_steps, derivative_peak, joint_metrics, power_metrics
+from puma_septic.assessment._joints import PowerMetrics, derivative_peak, joint_metrics, power_metrics
 from puma_septic.assessment._limits import limit_checks, unit_doubts, unknown_values
+from puma_septic.assessment._remarks import below_base_remarks, friction_step_remarks, rest_remarks
 from puma_septic.assessment._tool import LowestPoint, ToolMetrics, lowest_point, tool_metrics
 from puma_septic.doctor import doubts
 from puma_septic.document import SCHEMAS, frame, one_line, plain
@@ -28,8 +29,6 @@ from puma_septic.views.checks import verdict
 
 __all__ = ["Assessment", "assess"]
 
-# A torque below this part of the arm's largest is rounding, and is told as 0.
-_NO_TORQUE = 1e-12
 # What a document has of each joint, of the tool and of each kind of singular posture, as its attributes are called.
 _PER_JOINT = (
     "peak_velocity", "peak_velocity_time", "peak_acceleration", "peak_acceleration_time", "peak_jerk", "peak_jerk_time",
@@ -40,10 +39,7 @@ _PER_JOINT = (
 _TOOL = (
     "peak_speed", "peak_speed_time", "peak_acceleration", "peak_acceleration_time", "height_range", "height_times",
 )  # fmt: skip
-_TORQUE_DERIVATIVES = tuple(row for row in QUANTITIES.values() if row.signal == "torque" and row.order)
 _SINGULARITY = ("kind", "least_distance", "time", "crossings")
-# m; what is no lower than this stands on its base, to rounding.
-_BELOW_BASE = -1e-9
 
 
 @final
@@ -194,13 +190,13 @@ class Assessment:
             For an unknown quantity; a position has bounds on both sides, see `position`.
         """
         row = QUANTITIES[checked_choice("quantity", quantity, MAGNITUDES)]
-        if row.signal == "torque" and row.order:
+        if row.is_torque_derivative:
             return self._torque_derivatives[quantity]
         return getattr(self, f"peak_{row.attribute}"), getattr(self, f"peak_{row.attribute}_time")
 
     @cached_property
     def _torque_derivatives(self) -> dict[str, tuple[Array, Array]]:
-        return {row.name: derivative_peak(self.motion, row) for row in _TORQUE_DERIVATIVES}
+        return {row.name: derivative_peak(self.motion, row) for row in QUANTITIES.values() if row.is_torque_derivative}
 
     def keeps(self, margin: float = 0.0) -> tuple[LimitCheck, ...]:
         """What does not keep its limit with so much to spare: empty where all is kept.
@@ -282,16 +278,15 @@ class Assessment:
     @property
     def remarks(self) -> tuple[str, ...]:
         """What a reader must know to read the numbers right."""
-        robot = self.motion.robot
-        undecided = (f"undecided: {doubt}" for doubt in self.undecided)
+        motion, held = self.motion, (self.holding_torque, self.least_holding_torque) if self.dwell else None
         return (
-            *undecided,
-            *self.motion.trajectory.remarks,
+            *(f"undecided: {doubt}" for doubt in self.undecided),
+            *motion.trajectory.remarks,
             *self.doubts,
-            *_below_base_remarks(self),
-            *robot.notes,
-            *_static_friction_remarks(self),
-            *_friction_step_remarks(self),
+            *(below_base_remarks(self.lowest) if self.floor is None else ()),
+            *motion.robot.notes,
+            *rest_remarks(motion, held),
+            *friction_step_remarks(motion),
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -339,8 +334,8 @@ class Assessment:
 
     def _further_peaks(self) -> dict[str, Array]:
         """Peaks of the optional quantities that there are limits of, as their attributes would be called."""
-        known = [row for row in _TORQUE_DERIVATIVES if row.name in self.motion.robot.limits.quantities]
-        peaks = {f"peak_{row.attribute}": self.peak(row.name) for row in known}
+        rows = (QUANTITIES[name] for name in self.motion.robot.limits.quantities)
+        peaks = {f"peak_{row.attribute}": self.peak(row.name) for row in rows if row.is_torque_derivative}
         return {key: size for key, (size, _) in peaks.items()} | {f"{key}_time": t for key, (_, t) in peaks.items()}
 
     def __str__(self) -> str:
@@ -433,63 +428,6 @@ def assess(
         raise InputError(f"tool_limits: expected paths.ToolLimits, got {tool_limits!r}")
     metrics = joint_metrics(motion, dwell)
     return Assessment(motion=motion, dwell=dwell, floor=floor, tool_limits=tool_limits, **metrics)
-
-
-def _below_base_remarks(assessment: Assessment) -> tuple[str, ...]:
-    """That the arm hangs below where it stands; a floor is checked instead."""
-    lowest = assessment.lowest
-    if assessment.floor is not None or lowest.height >= _BELOW_BASE:
-        return ()
-    below = f"{-lowest.height:.3g} m below the base, at {lowest.time:z.3f} s"
-    return (f"the arm hangs low: {lowest.part} comes {below}; a floor would forbid it",)
-
-
-def _static_friction_remarks(assessment: Assessment) -> tuple[str, ...]:
-    """Joints that rest for a while, where static friction may carry any torque within its band."""
-    robot, still = assessment.motion.robot, assessment.motion.still
-    resting = np.asarray(still.any(axis=0) | (assessment.dwell > 0))
-    bands = [
-        f"{name} [{law.band[1]:.3g}, {law.band[0]:.3g}]"
-        for name, rests, law in zip(robot.joint_names, resting, robot.friction, strict=True)
-        if rests and law.band.any()
-    ]
-    if not bands:
-        return ()
-    remark = "at rest, static friction may carry any torque within its band (N m), taken as 0 here: " + ", ".join(bands)
-    return (remark, *_holding_remarks(assessment))
-
-
-def _friction_step_remarks(assessment: Assessment) -> tuple[str, ...]:
-    """What a limited derivative of the torque leaves out."""
-    known = [row.label for row in _TORQUE_DERIVATIVES if row.name in assessment.motion.robot.limits.quantities]
-    steps = coulomb_steps(assessment.motion) if known else np.zeros(0)
-    if not steps.any():
-        return ()
-    joints = [
-        f"{name} {size:.3g}" for name, size in zip(assessment.motion.robot.joint_names, steps, strict=True) if size
-    ]
-    return (
-        f"the {' and the '.join(known)} is that of the torque without Coulomb friction, which steps where a joint"
-        f" starts, stops or reverses, by up to (N m): {', '.join(joints)}",
-    )
-
-
-def _holding_remarks(assessment: Assessment) -> tuple[str, ...]:
-    """What a dwell takes, without and with the help of static friction."""
-    if not assessment.dwell:
-        return ()
-    rounding = _NO_TORQUE * np.fmax.reduce(np.abs(assessment.holding_torque), initial=0.0)
-    torques = [
-        np.where(np.abs(torque) > rounding, torque, 0.0)
-        for torque in (assessment.holding_torque, assessment.least_holding_torque)
-    ]
-    robot = assessment.motion.robot
-    both = zip(robot.joint_names, robot.knows_torque, *torques, strict=True)
-    joints = [f"{name} {alone:.4g} ({helped:.4g})" for name, known, alone, helped in both if known]
-    return (
-        "holding torque of the dwell without static friction, which counts here, and with all its help (N m): "
-        + ", ".join(joints),
-    )
 
 
 def _check_stops(trajectory: Trajectory, dwell: float) -> None:

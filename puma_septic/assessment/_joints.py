@@ -17,7 +17,7 @@ from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array
 
-__all__ = ["JointMetrics", "PowerMetrics", "derivative_peak", "joint_metrics", "power_metrics"]
+__all__ = ["JointMetrics", "PowerMetrics", "coulomb_steps", "derivative_peak", "joint_metrics", "power_metrics"]
 
 # Joints whose mass matrix entry is below this part of the geometric mean of both diagonal ones are not coupled.
 _COUPLED = 1e-12

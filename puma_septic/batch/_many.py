@@ -213,9 +213,7 @@ def _block(robot: Robot, trajectories: Sequence[Trajectory]) -> dict[str, NDArra
 
 def is_linear(robot: Robot) -> bool:
     """Whether friction is viscous plus constant, gears lose nothing, and no derivative of the torque has a limit."""
-    derivatives = any(
-        QUANTITIES[name].signal == "torque" and QUANTITIES[name].order for name in robot.limits.quantities
-    )
+    derivatives = any(QUANTITIES[name].is_torque_derivative for name in robot.limits.quantities)
     return not (robot.has_losses or derivatives or any(not law.is_linear for law in robot.friction))
 
 

@@ -303,7 +303,7 @@ def _torque_demands(motion: Motion, torque: RateTorque) -> list[Demand]:
     parts = (torque.still - torque.coulomb, torque.viscous, torque.inertial)
     for name in robot.limits.quantities:
         row = QUANTITIES[name]
-        if row.signal != "torque" or not row.order:
+        if not row.is_torque_derivative:
             continue
         for _ in range(row.order):
             parts = (parts[0].derivative(), parts[1].derivative(), parts[2].derivative())

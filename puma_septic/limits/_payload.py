@@ -257,7 +257,7 @@ def mass_demands_at(
     smooth = bare - coulomb
     for name in robot.limits.quantities:
         row = QUANTITIES[name]
-        if row.signal == "torque" and row.order:
+        if row.is_torque_derivative:
             for _ in range(row.order):
                 smooth, added = smooth.derivative() * rate, added.derivative() * rate
             demands.append(Demand.of(name, (smooth, added), np.where(known, getattr(robot.limits, name), np.nan)))

@@ -24,8 +24,8 @@ import puma_septic as ps
 from puma_septic import document
 from puma_septic.task import ResolvedTask, assess_task, load_task, resolve_task
 
-# A run finds the same examples every time, on any machine, however slow; to look for new ones:
-# python -m pytest --hypothesis-profile explore
+# A run finds the same examples every time, on any machine, however slow; to look for new ones, and ten times as many:
+# python -m pytest --hypothesis-profile explore -m "hypothesis and not browser and not study"
 settings.register_profile("repeatable", derandomize=True, deadline=None)
 settings.register_profile("explore", deadline=None, print_blob=True)
 settings.load_profile("repeatable")
@@ -34,6 +34,15 @@ settings.load_profile("repeatable")
 def pytest_addoption(parser: pytest.Parser) -> None:
     """The switch that takes what is written today for right."""
     parser.addoption("--update-golden", action="store_true", help="rewrite the files that tests/golden compares with")
+
+
+@pytest.hookimpl(trylast=True)  # hypothesis marks its tests first
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Function]) -> None:
+    """Ten times the examples that each test asks for, which no profile can say; some tests share their function."""
+    if config.getoption("--hypothesis-profile") == "explore":
+        for test in {item.function for item in items if item.get_closest_marker("hypothesis")}:
+            asked = test._hypothesis_internal_use_settings
+            test._hypothesis_internal_use_settings = settings(asked, max_examples=10 * asked.max_examples)
 
 
 @pytest.fixture(scope="session")

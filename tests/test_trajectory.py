@@ -135,17 +135,17 @@ def test_power_coefficients_are_the_function(family: str, seed: int) -> None:
 @given(seed=seeds)
 @example(seed=88160)  # the septic's ends before t = 0, where the instant before a break was one outside the span
 @example(seed=999234)  # and the quintic's
+@example(seed=316)  # lspb's jerk is largest just after a break, which samples at even steps passed by
 @hypothesis_settings(max_examples=15)
 def test_exact_peaks_against_dense_samples(family: str, seed: int) -> None:
     move = make(family, *random_points(seed))
-    # Just before each break, by more than a rounding of the time since the start.
+    # From the right of each break to just before the next, by more than a rounding of the time since the start.
     before = move.breaks[1:] - 4 * np.spacing(np.abs(move.breaks).max() + move.duration)
-    t = np.unique(np.concatenate([np.linspace(*move.breaks[[0, -1]], 20_001), before]))
-    t = t[t >= move.breaks[0]]
+    t = np.linspace(move.breaks[:-1], before, 5_001).ravel()
     for order in range(4):
         found, sampled = move.extrema(order), move(t, order)
         size = found.peak.max()
-        # Samples miss a peak inside by curvature * step^2 / 8, one at a break by slope * step.
+        # Samples miss a peak inside by curvature * step^2 / 8, at most 1.6e-5 of a septic by Markov's inequality.
         assert (found.max >= sampled.max(axis=0) - 1e-9 * size).all()
         assert (found.min <= sampled.min(axis=0) + 1e-9 * size).all()
         np.testing.assert_allclose(found.max, sampled.max(axis=0), rtol=0, atol=2e-5 * size)

@@ -1,22 +1,30 @@
 """Do the tests find what is wrong? Seeded mutants of the core rooms, by cosmic-ray: ``python -m campaign.mutants``.
 
-Of each room some mutants are drawn, and each is tested by the quick tests that belong to its room. What survives is
-written down with its difference, to be killed by a new test or told equivalent. Needs the package cosmic-ray.
+Of each room some mutants are drawn. Each is put before the tests that ran the function it stands in, and what these
+let live before all quick tests of its room. What then survives, or runs out of time, is written down with its
+difference, to be killed by a new test or told equivalent. Needs the package cosmic-ray.
 """
 
 from __future__ import annotations
 
 import argparse
+import ast
 import os
 import random
 import subprocess
 import sys
 import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
+from cosmic_ray.commands import init
+from cosmic_ray.mutating import mutate_and_test
 from cosmic_ray.work_db import WorkDB, use_db
-from cosmic_ray.work_item import TestOutcome
+from cosmic_ray.work_item import MutationSpec, TestOutcome
+from coverage import CoverageData
 
 from puma_septic.views.tables import text_table
 
@@ -33,9 +41,12 @@ ROOMS: Final = {
     "drives": ("drives", "tests/drives tests/sizing"),
     "sizing": ("sizing", "tests/sizing"),
 }
-# Annotations such as ``A | None`` are never evaluated; without decorators that make values nothing imports.
-_LEFT_OUT: Final = ("BinaryOperator_BitOr", "RemoveDecorator")
-_LONGEST: Final = 300.0  # s, for a mutant that makes a loop endless
+# Without them a value has another form of storage, a cache another size: slower or larger, never other numbers.
+_EQUIVALENT: Final = ("slots", "maxsize")
+_TRIVIAL: Final = "RemoveDecorator"  # without the decorators that make values nothing imports
+_SHORTEST: Final = 120.0  # s; on a busy machine a mutant that is only slow must not look like an endless loop
+_FACTOR: Final = 5.0  # how many times as long as the undisturbed tests a mutant may take
+OUTCOMES: Final = ("killed", "timed out", "incompetent", "survived")
 
 
 def main() -> int:
@@ -49,45 +60,82 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder, given.survivors.open("w") as survived:
         clone = Path(folder, "clone")
         subprocess.run(["git", "clone", "--quiet", ".", clone], check=True)
+        os.chdir(clone)
+        os.environ["PYTHONPATH"] = str(clone)
         for room in given.rooms or ROOMS:
-            killed, left = _room(clone, room, given.each, random.Random(f"{given.seed} {room}"))
-            rows.append([room, str(killed + len(left)), str(killed), f"{100 * killed / (killed + len(left)):.0f} %"])
+            counts: Counter[str] = Counter()
+            for outcome, difference in _judged(room, given.each, random.Random(f"{given.seed} {room}")):
+                counts[outcome] += 1
+                if outcome != "killed":
+                    print(f"{room}: {outcome}\n{difference}\n", file=survived, flush=True)
+            drawn = counts.total()
+            rows.append(
+                [room, *map(str, [drawn, *map(counts.__getitem__, OUTCOMES)]), f"{counts['killed'] / drawn:.0%}"]
+            )
             print(*rows[-1], flush=True)
-            survived.writelines(left)
-            survived.flush()
-    print(text_table(["room", "mutants", "killed", "share"], rows))
+    print(text_table(["room", "mutants", *OUTCOMES, "share killed"], rows))
     return 0
 
 
-def _room(clone: Path, room: str, count: int, draw: random.Random) -> tuple[int, list[str]]:
-    """How many mutants of a room its tests kill, and the differences of those that survive."""
+def _judged(room: str, count: int, draw: random.Random) -> Iterator[tuple[str, str]]:
+    """The outcome and the difference of each mutant that is drawn; run in a checkout that may be written to."""
     module, tests = ROOMS[room]
-    config, session = clone / f"{room}.toml", clone / f"{room}.sqlite"
-    pytest = f"{sys.executable} -m pytest -x -q -n0 -p no:cacheprovider {tests}"
-    config.write_text(
-        f'[cosmic-ray]\nmodule-path = "puma_septic/{module}"\ntimeout = {_LONGEST}\nexcluded-modules = []\n'
-        f'test-command = "{pytest}"\n[cosmic-ray.distributor]\nname = "local"\n'
-    )
-    environment = {**os.environ, "PYTHONPATH": str(clone), "PYTHONDONTWRITEBYTECODE": "1"}
+    pytest = f"{sys.executable} -m pytest -x -q -n0 -p no:cacheprovider"
+    began = time.monotonic()
+    undisturbed = f"{pytest} --cov=puma_septic --cov-context=test --cov-report= --cov-fail-under=0 {tests}"
+    subprocess.run(undisturbed.split(), check=True, stdout=subprocess.DEVNULL)
+    patience = max(_SHORTEST, _FACTOR * (time.monotonic() - began))
+    ran = CoverageData()
+    ran.read()
+    every = _mutants(Path("puma_septic", module))
+    for mutant in draw.sample(every, min(count, len(every))):
+        first = _first_tests(mutant, ran.contexts_by_lineno(str(mutant.module_path)))
+        Path("first.txt").write_text("\n".join(first))
+        for chosen in ("@first.txt", tests) if first else (tests,):
+            result = mutate_and_test([mutant], f"{pytest} {chosen}", patience)
+            if result.test_outcome is not TestOutcome.SURVIVED:
+                break
+        outcome = str(result.test_outcome.value) if result.test_outcome else "incompetent"
+        yield "timed out" if result.output == "timeout" else outcome, result.diff or ""
 
-    def cosmic_ray(command: str) -> None:
-        subprocess.run(["cosmic-ray", command, config, session], cwd=clone, env=environment, check=True)
 
-    subprocess.run(pytest.split(), cwd=clone, env=environment, check=True, stdout=subprocess.DEVNULL)
-    cosmic_ray("init")
-    with use_db(session, WorkDB.Mode.open) as database:
-        every = [
-            item
-            for item in database.work_items
-            if not any(part in item.mutations[0].operator_name for part in _LEFT_OUT)
-        ]
-        database.clear()
-        database.add_work_items(draw.sample(every, min(count, len(every))))
-    cosmic_ray("exec")
-    with use_db(session, WorkDB.Mode.open) as database:
-        results = [result for _, result in database.results]
-    left = [f"{result.diff}\n" for result in results if result.test_outcome is TestOutcome.SURVIVED]
-    return len(results) - len(left), left
+def _mutants(module: Path) -> list[MutationSpec]:
+    """All mutants of a module or a folder but those that change nothing that is ever computed."""
+    paths = sorted(module.rglob("*.py")) if module.is_dir() else [module]
+    unused = {path: list(_spans_without_effect(ast.parse(path.read_text()))) for path in paths}
+    with use_db("mutants.sqlite", WorkDB.Mode.create) as database:
+        init(paths, database, {})
+        every = [item.mutations[0] for item in database.work_items]
+    return [
+        mutant
+        for mutant in every
+        if _TRIVIAL not in mutant.operator_name
+        and not any(start <= mutant.start_pos and mutant.end_pos <= end for start, end in unused[mutant.module_path])
+    ]
+
+
+def _spans_without_effect(tree: ast.Module) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
+    """Where annotations stand, which are never evaluated, and the arguments that change no number."""
+    for node in ast.walk(tree):
+        parts = [getattr(node, "annotation", None), getattr(node, "returns", None)]
+        if isinstance(node, ast.keyword) and node.arg in _EQUIVALENT:
+            parts.append(node.value)
+        for part in parts:
+            if part is not None:
+                yield (part.lineno, part.col_offset), (part.end_lineno, part.end_col_offset)
+
+
+def _first_tests(mutant: MutationSpec, contexts: dict[int, list[str]]) -> list[str]:
+    """The tests that ran the body of the innermost function around a mutant; none where it stands in no function."""
+    line = mutant.start_pos[0]
+    tree = ast.parse(mutant.module_path.read_text())
+    functions = [
+        n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef) and n.lineno <= line <= (n.end_lineno or 0)
+    ]
+    if not functions:
+        return []
+    body = range(functions[-1].body[0].lineno, (functions[-1].end_lineno or 0) + 1)
+    return sorted({context.partition("|")[0] for at in body for context in contexts.get(at, ()) if context})
 
 
 if __name__ == "__main__":

@@ -31,9 +31,16 @@ from puma_septic.views.tables import text_table
 ROOMS: Final = {
     "piecewise": ("piecewise", "tests/piecewise tests/test_trajectory.py"),
     "profiles": ("profiles", "tests/profiles"),
-    "trajectory": ("trajectory.py", "tests/test_trajectory.py tests/profiles"),
-    "friction": ("friction.py", "tests/test_friction.py tests/test_dynamics.py"),
-    "dynamics": ("dynamics.py", "tests/test_dynamics.py tests/robot tests/simulation/test_simulate.py"),
+    "trajectory": (
+        "trajectory.py",
+        "tests/test_trajectory.py tests/profiles/test_profiles_basic.py tests/profiles/test_profiles_vias.py",
+    ),
+    "friction": ("friction.py", "tests/test_dynamics.py tests/test_friction.py"),
+    "dynamics": (
+        "dynamics.py",
+        "tests/test_dynamics.py tests/robot/test_mimic.py tests/sizing/test_bearing.py tests/limits/test_payload.py"
+        " tests/simulation/test_simulate.py",
+    ),
     "motion": ("motion.py", "tests/test_motion.py tests/test_truth.py tests/assessment"),
     "limit_check": ("limit_check.py", "tests/test_limit_check.py tests/assessment"),
     "assessment": ("assessment", "tests/assessment tests/cycle tests/test_truth.py"),

@@ -16,7 +16,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import puma_septic as ps
-from puma_septic.dynamics import TERMS, TorqueTerms, check_plain_friction, mass_matrix
+from puma_septic.dynamics import (
+    TERMS,
+    TorqueTerms,
+    check_plain_friction,
+    joint_wrenches,
+    mass_matrix,
+    payload_torque,
+    potential_energy,
+)
 
 # The toolbox prints 16 digits of torques up to 100 N m; both add up some hundred products.
 ORACLE_TOLERANCE = 1e-9
@@ -218,6 +226,42 @@ def test_a_lift_carries_its_weight_and_what_accelerates_it(tmp_path: Path) -> No
     up, down, still = ps.inverse_dynamics(arm, [[0.2]] * 3, [[0.5], [-0.5], [0.0]], [[2.0]] * 3)[:, 0]
     inertial = 3.0 * (9.81 + 2.0) + 1.0 * 2.0
     np.testing.assert_allclose([up, down, still], [inertial + 10 + 5, inertial - 10 - 7, inertial], rtol=1e-14)
+
+
+def test_a_lift_passes_on_its_force_along_and_across_its_axis(tmp_path: Path) -> None:
+    """Two lifts in series, 3 and 2 kg: each bears what is above it, and the eccentric cabin tilts it by m (g + a) r."""
+    body = '<link name="base"/>' + link("cabin", 3.0, [0.1, 0.0, 0.0], np.zeros((3, 3)))
+    body += link("top", 2.0, [0.0, 0.0, 0.0], np.zeros((3, 3)))
+    body += joint("lift", "prismatic", "base", "cabin", [0, 0, 0], [0, 0, 1])
+    body += joint("second", "prismatic", "cabin", "top", [0, 0, 0], [0, 0, 1])
+    arm = load(tmp_path, "lifts", body)
+    wrench = joint_wrenches(arm, np.array([[0.3, 0.2]]), np.zeros((1, 2)), np.array([[1.5, 0.5]]))[0]
+    np.testing.assert_allclose(wrench[:, 2], [3 * (9.81 + 1.5) + 2 * (9.81 + 2.0), 2 * (9.81 + 2.0)], rtol=1e-14)
+    np.testing.assert_allclose(wrench[:, :2], 0.0, atol=1e-14)
+    tilt = np.linalg.norm(wrench[:, 3:5], axis=1)
+    np.testing.assert_allclose(tilt, [3 * (9.81 + 1.5) * 0.1, 0.0], rtol=1e-13, atol=1e-13)
+    np.testing.assert_allclose(wrench[:, 5], 0.0, atol=1e-13)
+
+
+def test_energy_is_weight_times_height(tmp_path: Path) -> None:
+    """``m g l (1 - cos q)`` above the lowest point, m = 2 kg, l = 0.5 m; for a continuous joint as well."""
+    q = np.array([[0.0], [0.3], [np.pi]])
+    for kind in ("revolute", "continuous"):
+        energy = potential_energy(pendulum(tmp_path, kind=kind), q)
+        np.testing.assert_allclose(energy - energy[0], 2 * 9.81 * 0.5 * (1 - np.cos(q[:, 0])), rtol=0, atol=1e-13)
+
+
+def test_a_payload_by_its_parameters_is_the_payload(puma: ps.Robot, rng: np.random.Generator) -> None:
+    """Two ways: the term of a robot that carries it, and its ten parameters, whatever the robot carries already."""
+    q, v, a = rng.uniform(-2, 2, (3, 10, 6))
+    centre, about_centre = np.array([0.02, -0.01, 0.1]), np.diag([0.01, 0.02, 0.025])
+    loaded = puma.with_payload(ps.Payload(mass=2.0, com=centre, inertia=about_centre))
+    about = about_centre + 2.0 * (centre @ centre * np.eye(3) - np.outer(centre, centre))
+    parameters = np.array([2.0, *(2.0 * centre), *about[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]])
+    expected = ps.torque_terms(loaded, q, v, a).payload
+    for robot in (puma, loaded):
+        found = payload_torque(robot, parameters)(q, v, a)
+        np.testing.assert_allclose(found, expected, rtol=0, atol=ROUNDING)
 
 
 def test_siblings_keep_the_order_of_the_file(tmp_path: Path) -> None:

@@ -64,6 +64,30 @@ def test_what_is_unknown_of_friction_is_left_out() -> None:
     assert partly.torque([3.0, -3.0], [1, -1]).tolist() == [0.4, 0.0]
     with pytest.raises(ps.InputError, match="viscous = -1 N m s/rad must be at least 0"):
         ps.Friction(viscous=-1.0)
+    with pytest.raises(ps.InputError, match=r"coulomb = \[0.4, 0.1\] N m: .* the second \(negative velocity\) <= 0"):
+        ps.Friction(coulomb=[0.4, 0.1])
+
+
+@pytest.mark.parametrize(
+    ("given", "is_known"),
+    [({}, False), ({"viscous": 0.0}, False), ({"coulomb": [0.0, 0.0]}, False),
+     ({"viscous": 0.0, "coulomb": [0.0, np.nan]}, False), ({"viscous": 0.0, "coulomb": [0.0, 0.0]}, True)],
+)  # fmt: skip
+def test_friction_is_known_if_both_its_parts_are(given: dict, is_known: bool) -> None:
+    assert ps.Friction(**given).is_known is is_known
+
+
+def test_a_joint_that_is_said_to_move_by_half_has_half_its_dry_friction() -> None:
+    """What a simulation makes of a velocity near zero."""
+    law = replace(STICKY, viscous=0.0)
+    assert law.torque([0.0, 0.0], [0.5, -0.25]).tolist() == pytest.approx([0.35, -0.15], rel=1e-15)
+
+
+def test_static_friction_without_a_width_holds_at_rest_alone() -> None:
+    law = ps.Friction(viscous=0.0, coulomb=[0.4, -0.5], static=[0.7, -0.6])
+    assert (law.band.tolist(), law.excess.tolist(), law.is_linear) == ([0.7, -0.6], [0.0, 0.0], True)
+    assert law.torque([0.0, -1.0], [1, -1]).tolist() == [0.4, -0.5]
+    assert ps.Friction(coulomb=[0.4, np.nan]).band.tolist() == [0.4, 0.0]
 
 
 # ---- Stribeck
@@ -128,6 +152,15 @@ def arm(friction: ps.Friction) -> ps.Robot:
     return robot.with_drivetrains(replace(train, measured_friction=friction) for train in robot.drivetrains)
 
 
+def last_sticks(robot: ps.Robot) -> ps.Robot:
+    """The robot whose last joint alone has Stribeck friction, and in one direction only."""
+    *others, last = robot.drivetrains
+    friction = replace(
+        last.measured_friction, static=last.measured_friction.coulomb * [3.0, 1.0], stribeck_velocity=20.0
+    )
+    return robot.with_drivetrains([*others, replace(last, measured_friction=friction)])
+
+
 def geared() -> ps.Robot:
     """The PUMA with gears of a known efficiency, and motors with friction of their own."""
     motor = ps.Motor(rotor_inertia=2e-4, viscous_friction=1e-4, coulomb_friction=0.05)
@@ -142,6 +175,7 @@ ARMS = {
     "Stribeck": lambda: arm(STICKY),
     "load": lambda: arm(ps.Friction(viscous=1e-4, coulomb=[0.1, -0.2], load_share=0.1)),
     "both": lambda: arm(replace(STICKY, load_share=0.3)),
+    "one joint": lambda: last_sticks(ps.load_robot()),
     "efficiency": geared,
 }
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
-from helpers.arms import branched_arm, panda, pendulum, ur5
+from helpers.arms import branched_arm, joint, link, load, panda, pendulum, ur5
 from helpers.moves import POINTS, PROFILES, TIMES, paper_move, parabolic_blends, random_move
 from helpers.sampled import quadrature, refined_peak, reversals, torque_with_friction
 from hypothesis import given, settings
@@ -15,6 +16,7 @@ from hypothesis import strategies as st
 
 import puma_septic as ps
 from puma_septic.dynamics import TERMS
+from puma_septic.motion import joined
 from puma_septic.validation import Array
 
 # What a motion promises: the fit stops at 1e-11 of each joint's largest torque, the rest is room.
@@ -58,10 +60,10 @@ def test_random_moves_of_random_branched_arms_are_exact(tmp_path: Path, seed: in
         assert_exact(ps.compute_motion(arm, random_move(rng, arm.n_joints)), count=1000, panels=30)
 
 
-@pytest.mark.parametrize("load", [ur5, panda])
-def test_random_moves_of_ur5_and_panda_are_exact(load) -> None:  # type: ignore[no-untyped-def]
+@pytest.mark.parametrize("make", [ur5, panda])
+def test_random_moves_of_ur5_and_panda_are_exact(make) -> None:  # type: ignore[no-untyped-def]
     rng = np.random.default_rng(7)
-    arm = load()
+    arm = make()
     # Neither file knows the drives; friction is made up, so that reversals count.
     drives = [ps.Actuator(gear_ratio=100.0, rotor_inertia=5e-5, viscous_friction=1e-4, coulomb_friction=[0.01, -0.02])]
     arm = arm.with_actuators(drives * arm.n_joints)
@@ -262,6 +264,52 @@ def test_the_same_motion_twice_is_the_same_to_the_last_bit(puma: ps.Robot) -> No
     np.testing.assert_array_equal(one.torque.coefficients, two.torque.coefficients)
 
 
+def test_motions_one_after_the_other_keep_their_own_loads(puma: ps.Robot) -> None:
+    """Out with 2 kg, back without: each half has the torque, terms and direction of its own motion."""
+    out = ps.quintic_segments(POINTS[[0, 3]], [5.0, 7.0])
+    back = ps.quintic_segments(POINTS[[3, 0]], [1.0, 4.0])
+    one = ps.compute_motion(puma.with_payload(ps.Payload(mass=2.0, com=[0, 0, 0.1])), out)
+    two = ps.compute_motion(puma, back)
+    both = joined([one, two], ps.quintic_segments(POINTS[[0, 3, 0]], [0.0, 2.0, 5.0]))
+    t = np.linspace(0.01, 1.99, 40)
+    for name in ("torque", "coulomb", "direction"):
+        for part, start, late in ((one, 5.0, 0.0), (two, 1.0, 2.0)):
+            expected = getattr(part, name)(t + start)
+            np.testing.assert_allclose(getattr(both, name)(t + late), expected, rtol=0, atol=1e-9)
+    for name in TERMS:
+        terms = getattr(both.torque_terms, name)
+        np.testing.assert_allclose(terms(t), getattr(one.torque_terms, name)(t + 5.0), rtol=0, atol=1e-9)
+        np.testing.assert_allclose(terms(t + 2.0), getattr(two.torque_terms, name)(t + 1.0), rtol=0, atol=1e-9)
+    assert both.n_evaluations == one.n_evaluations + two.n_evaluations
+    assert both.robot.payload is one.robot.payload
+    assert both.parts == (one, two)
+
+
+def test_an_arm_at_rest_holds_its_weight_and_a_brake_does_it_for_the_motors(tmp_path: Path) -> None:
+    """A pendulum stopped at the horizontal: m g l = 9.81 N m by the motor, and none by it under a brake."""
+    motion = ps.compute_motion(pendulum(tmp_path), ps.quintic_segments([[0.0], [np.pi / 2]], [3.0, 4.0]))
+    rest = motion.rest(2.5)
+    assert (rest.duration, rest.torque.duration, rest.is_braked) == (2.5, 2.5, False)
+    assert rest.position(1.0) == pytest.approx([np.pi / 2], rel=1e-15)
+    assert rest.holding_torque == pytest.approx([9.81], rel=1e-14)
+    for held, torque in ((rest, 9.81), (replace(rest, is_braked=True), 0.0)):
+        assert (held.load(1.0)[0], held.torque(1.0)[0]) == pytest.approx((9.81, torque), rel=1e-14)
+
+
+def test_signals_are_what_their_names_say(puma: ps.Robot) -> None:
+    """The torque's rate is that of the torque without dry friction, which steps."""
+    motion, t = ps.compute_motion(puma, paper_move("septic")), np.linspace(0.1, 8.9, 50)
+    for order, name in enumerate(("position", "velocity", "acceleration", "jerk")):
+        np.testing.assert_array_equal(motion.signal(name)(t), motion.trajectory(t, order))
+    assert motion.signal("effort") is motion.torque
+    h = 1e-4
+    around = [(motion.torque - motion.coulomb)(t + side) for side in (-h, h)]
+    expected = (around[1] - around[0]) / (2 * h)
+    np.testing.assert_allclose(motion.signal("torque_rate")(t), expected, rtol=0, atol=1e-5)
+    with pytest.raises(ps.InputError, match="unknown quantity 'force'; valid: 'position', 'velocity'"):
+        motion.signal("force")
+
+
 # ---- what is refused
 
 
@@ -279,6 +327,19 @@ def test_a_robot_and_a_trajectory_are_needed_in_this_order() -> None:
     move = ps.quintic_segments([[0.0] * 6, [0.5] * 6], [0.0, 1.0])
     with pytest.raises(ps.InputError, match="a robot and a trajectory are needed, got Trajectory and Robot"):
         ps.compute_motion(move, ps.load_robot())  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("lifted", "message"), [(1e3, r"'swing' swings from -1e\+07 to 0 rad"),
+                                                 (2e7, r"'lift' swings from 5 to 2e\+07 m")])  # fmt: skip
+def test_the_joint_that_swings_most_is_named_with_its_unit(tmp_path: Path, lifted: float, message: str) -> None:
+    """A pendulum on a lift: the lift moves up, the pendulum to angles below zero."""
+    body = '<link name="base"/>' + link("cabin", 3.0, [0.0, 0.0, 0.0], np.zeros((3, 3)))
+    body += link("bob", 2.0, [0.5, 0.0, 0.0], np.zeros((3, 3)))
+    body += joint("lift", "prismatic", "base", "cabin", [0, 0, 0], [0, 0, 1])
+    body += joint("swing", "continuous", "cabin", "bob", [0, 0, 0], [0, 1, 0])
+    move = ps.quintic_segments([[5.0, 0.0], [lifted, -1e7]], [0.0, 3.0])
+    with pytest.raises(ps.InputError, match=rf"cannot be resolved: joint {message} in 3 s; check the points and"):
+        ps.compute_motion(load(tmp_path, "lifted", body), move)
 
 
 def test_a_swing_whose_torque_cannot_be_resolved_is_named() -> None:

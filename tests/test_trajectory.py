@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -67,8 +68,27 @@ def test_an_unknown_order_lists_the_valid_ones() -> None:
     move = ps.quintic_segments([[0.0], [1.0]], [0.0, 1.0])
     for order in (4, -1, 0.5, None, "velocity"):
         message = r"order = .* is not one of 0 \(position\), 1 \(velocity\), 2 \(acceleration\), 3 \(jerk\)"
-        with pytest.raises(ps.InputError, match=message):
-            move(0.5, order=order)  # type: ignore[arg-type]
+        for ask in (lambda k: move(0.5, order=k), move.derivative, move.extrema, move.jumps, move.unbounded, move.peak):
+            with pytest.raises(ps.InputError, match=message):
+                ask(order)  # type: ignore[operator]
+
+
+def test_what_is_no_truth_value_is_no_rest() -> None:
+    for name in ("rest_before", "rest_after"):
+        with pytest.raises(ps.InputError, match=f"{name} = 1: expected True or False"):
+            replace(ps.quintic_segments([[0.0], [1.0]], [0.0, 1.0]), **{name: 1})
+
+
+@pytest.mark.parametrize(("step", "is_refused"), [(1.9e-9, False), (2.1e-9, True)])
+def test_a_position_may_jump_by_a_billionth_of_the_largest(step: float, is_refused: bool) -> None:
+    """Of each joint: the second, which swings a million times farther, does not excuse the first."""
+    powers = np.array([[[0.0, 0.0], [2.0 + step, 2e6]], [[2.0, 2e6], [0.0, 0.0]]])
+    position = ps.Piecewise.from_power([0.0, 1.0, 2.0], powers)
+    if is_refused:
+        with pytest.raises(ps.InputError, match=r"joint 1: position jumps by 2.1e-09 rad at t = 1 s"):
+            ps.Trajectory(position=position, points=position([0.0]), times=[0.0])
+    else:
+        assert ps.Trajectory(position=position, points=position([0.0]), times=[0.0]).n_joints == 2
 
 
 def test_times_outside_the_span_are_refused() -> None:
@@ -233,6 +253,30 @@ def test_steps_inside() -> None:
         legs.jumps(0)
 
 
+def test_an_excerpt_need_not_start_and_end_at_rest() -> None:
+    line = from_powers([0.0, 2.0], [1.0, 6.0])
+    assert line.excerpt.jumps(1).times.tolist() == []
+    assert replace(line, rest_before=False).jumps(1).times.tolist() == [2.0]
+    assert replace(line, rest_after=False).jumps(1).times.tolist() == [0.0]
+
+
+@pytest.mark.parametrize(("order", "part"), [(1, 1e-9), (2, 1e-7), (3, 1e-9)])
+@pytest.mark.parametrize("factor", [0.9, 1.1])
+def test_how_small_a_step_is_one(order: int, part: float, factor: float) -> None:
+    """A part of the largest velocity, acceleration (0.1 of it, as fits lose digits) or jerk of any joint: here 1e3."""
+    powers = np.zeros((4, 2, 2))
+    powers[order, 0, 1] = 1e3 / math.factorial(order)
+    # The same power, one interval on.
+    powers[: order + 1, 1, 1] = [math.comb(order, k) * powers[order, 0, 1] for k in range(order + 1)]
+    powers[order, 1, 0] = 1e3 * part * factor / math.factorial(order)
+    position = ps.Piecewise.from_power([0.0, 1.0, 2.0], powers)
+    move = ps.Trajectory(position=position, points=position([0.0]), times=[0.0]).excerpt
+    found = move.jumps(order)
+    # The second joint's derivative is constant, 1e3, but rounded.
+    assert found.times.tolist() == ([1.0] if factor > 1 else [])
+    np.testing.assert_allclose(found.sizes.ravel(), [1e3 * part * factor, 0.0][: 2 * len(found.times)], rtol=1e-4)
+
+
 def test_acceleration_steps_of_a_bang_bang_motion() -> None:
     """Half the way with acceleration 4 h / T^2, half with its negative (profiles of constant acceleration)."""
     bang = from_powers([0.0, 1.0, 2.0], [0.0, 0.0, 0.5], [0.5, 1.0, -0.5])
@@ -365,6 +409,8 @@ def test_of_many_points_a_picture_marks_both_ends() -> None:
     points = np.linspace(0.0, 1.0, 101)[:, None]
     times, marked = ps.profiles.linear(points, np.arange(101.0)).marked
     assert (times.tolist(), marked.ravel().tolist()) == ([0.0, 100.0], [0.0, 1.0])
+    times, marked = ps.profiles.linear(points[:100], np.arange(100.0)).marked
+    assert (len(times), marked.ravel().tolist()) == (100, points[:100, 0].tolist())
 
 
 @pytest.mark.parametrize("factor", [0.3, 1.0, 2.5])
@@ -385,3 +431,14 @@ def test_a_stretched_motion_has_what_a_search_of_its_own_finds(rng: np.random.Ge
     assert slower.direction.breaks == pytest.approx(untouched.direction.breaks, abs=1e-8)
     assert (slower.direction.coefficients == untouched.direction.coefficients).all()
     assert slower.duration == pytest.approx(4 * factor)
+    assert slower.times == pytest.approx(5.0 + factor * np.array([0.0, 1.0, 3.0, 4.0]), rel=1e-15)
+    assert slower(slower.times) == pytest.approx(points, abs=1e-12)
+
+
+def test_a_stretched_recording_finds_its_rests_anew() -> None:
+    """A joint that creeps through its resolution in 0.09 s does not rest; over twice that time it does."""
+    move = replace(ps.profiles.linear([[0.0], [1.0], [1.0009], [2.0]], [0.0, 1.0, 1.09, 2.0]), resolution=1e-3)
+    assert (move.direction.coefficients[0] == 1).all()
+    slower = move.stretched(2.0)
+    assert "direction" not in slower.__dict__
+    assert slower.direction(2.09).tolist() == [0.0]

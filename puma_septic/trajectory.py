@@ -209,7 +209,8 @@ class Trajectory:
                 t_min=start + (extrema.t_min - start) * factor,
                 t_max=start + (extrema.t_max - start) * factor,
             )
-            slower.__dict__["_searched"] = moved, tuple(start + (turn - start) * factor for turn in turns)
+            # Turns are times since the start.
+            slower.__dict__["_searched"] = moved, tuple(turn * factor for turn in turns)
             # Travel decides the way of a planned motion; that of a recorded one depends on how long it rests, too.
             if "direction" in self.__dict__ and not np.any(self.resolution):
                 slower.__dict__["direction"] = self.direction.stretched(factor)

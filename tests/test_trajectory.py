@@ -435,6 +435,18 @@ def test_a_stretched_motion_has_what_a_search_of_its_own_finds(rng: np.random.Ge
     assert slower(slower.times) == pytest.approx(points, abs=1e-12)
 
 
+@pytest.mark.parametrize("resolution", [0.0, 1e-3])
+def test_a_stretched_motion_turns_where_it_did_whenever_it_starts(rng: np.random.Generator, resolution: float) -> None:
+    """Its turns are times since the start; taken for times they lay before it, and friction lost all reversals."""
+    move = replace(ps.septic(rng.uniform(-1, 1, (4, 3)), [1000.0, 1001.0, 1003.0, 1004.0]), resolution=resolution)
+    expected = move.stretched(2.5).direction
+    move.extrema(1)
+    found = move.stretched(2.5).direction
+    assert len(found.breaks) > 3
+    assert found.breaks == pytest.approx(expected.breaks, abs=1e-6)
+    assert (found.coefficients == expected.coefficients).all()
+
+
 def test_a_stretched_recording_finds_its_rests_anew() -> None:
     """A joint that creeps through its resolution in 0.09 s does not rest; over twice that time it does."""
     move = replace(ps.profiles.linear([[0.0], [1.0], [1.0009], [2.0]], [0.0, 1.0, 1.09, 2.0]), resolution=1e-3)

@@ -357,3 +357,16 @@ def test_a_load_of_millinewton_metres_is_lost_in_gears_as_any_other() -> None:
     load = Piecewise.from_power([0.0, 1.0], [[[-1e-9]], [[2e-9]]])
     found = loss_along(transmission, load, Piecewise.constant([1.0], 1.0))
     np.testing.assert_allclose(found([0.0, 0.25, 0.75, 1.0]).ravel(), [2e-10, 1e-10, -5e-11, -1e-10], rtol=1e-12)
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+def test_what_is_rounding_of_the_arm_s_largest_load_is_not_lost(size: float) -> None:
+    """Of two joints the second carries what the fit of the first may leave: no load, no break; a little more is one."""
+    transmission = np.array([[0.8, 1.0, 0.9]] * 2)
+    for part, breaks in ((0.9e-11, [0.0, 1.0]), (1.1e-11, [0.0, 0.5, 1.0])):
+        load = Piecewise.from_power([0.0, 1.0], [[[size, -part * size]], [[0.0, 2 * part * size]]])
+        found = loss_along(transmission, load, Piecewise.constant([1.0, 1.0], 1.0))
+        np.testing.assert_allclose(found.breaks, breaks, rtol=1e-12)
+        np.testing.assert_allclose(
+            found(1.0), [-0.1 * size, 0.0 if len(breaks) == 2 else -0.1 * part * size], rtol=1e-9
+        )

@@ -369,21 +369,13 @@ class Piecewise:
         start = self.start
         return Extrema(min=low[0], t_min=start + low[1], max=high[0], t_max=start + high[1]), turns
 
-    def roots(self, *, noise: ArrayLike | None = None) -> tuple[Array, ...]:
+    def roots(self) -> tuple[Array, ...]:
         """Times inside the intervals at which each component changes sign, one sorted array per component.
 
         A zero without a change of sign (a double zero, rest) does not count, and a change of sign across a break
-        needs no root: it is at the break.
-
-        Parameters
-        ----------
-        noise : array_like, optional
-            Magnitudes that have no sign, one number, or of shape (m,) or (n, m); by default the rounding of each
-            interval's series.
+        needs no root: it is at the break. What is rounding of an interval's series has no sign.
         """
-        if noise is not None:
-            noise = np.broadcast_to(np.asarray(noise, dtype=np.float64), self.coefficients.shape[1:])
-        found = find_sign_changes(self.offsets, self.coefficients, noise)
+        found = find_sign_changes(self.offsets, self.coefficients)
         return found if self.start == 0 else tuple(self.start + times for times in found)
 
     def signs(self) -> Array:
@@ -397,9 +389,9 @@ class Piecewise:
         rounding = _NO_SIGN * self.bounds()
         return np.asarray(np.sign(total) * (np.abs(total) > rounding))
 
-    def split_at_roots(self, *, noise: ArrayLike | None = None) -> Piecewise:
+    def split_at_roots(self) -> Piecewise:
         """The function with a break at every sign change of every component, so that `signs` holds throughout."""
-        return self._split_offsets([times - self.start for times in self.roots(noise=noise)])
+        return self._split_offsets([times - self.start for times in self.roots()])
 
     def positive_spans(self) -> tuple[Array, Array]:
         """Starts and ends of the stretches on which the only component is positive, s, each of shape (k,)."""

@@ -31,7 +31,7 @@ __all__ = ["find_extrema", "find_sign_changes", "sign_changes"]
 Index = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 _EPS = np.finfo(np.float64).eps
-# A value below this part of the sum of |coefficients| is rounding, and has no sign.
+# Extrema that differ by less than this part of the sum of |coefficients| are equal.
 _ROUNDING = 64 * _EPS
 # From where the chord of its bracket is zero, Newton needs three to five steps in all but a few of a thousand cases.
 _NEWTON_STEPS = 6
@@ -98,27 +98,23 @@ def _extremes(j: Index, times: Array, values: Array, equal: Array) -> tuple[tupl
     return (low, t_low), (high, t_high)
 
 
-def find_sign_changes(breaks: Array, coefficients: Array, noise: Array | None = None) -> tuple[Array, ...]:
-    """Times of the sign changes inside the intervals, one sorted array per component.
-
-    Values within `noise`, shape (n, m), have no sign; by default that is each series' own rounding.
-    """
+def find_sign_changes(breaks: Array, coefficients: Array) -> tuple[Array, ...]:
+    """Times of the sign changes inside the intervals, one sorted array per component."""
     _, n, m = coefficients.shape
     series = coefficients.reshape(-1, n * m)
-    column, x = sign_changes(series, None if noise is None else noise.reshape(-1))
+    column, x = sign_changes(series)
     joint, roots = column % m, _times(breaks, column // m, x)
     return tuple(np.sort(roots[joint == j]) for j in range(m))
 
 
-def sign_changes(series: Array, noise: Array | None = None) -> tuple[Index, Array]:
-    """Column and x of every sign change of many series (degree + 1, c) inside (-1, 1); noise as `find_sign_changes`."""
-    noise = _ROUNDING * np.abs(series).sum(axis=0) if noise is None else noise
+def sign_changes(series: Array) -> tuple[Index, Array]:
+    """Column and x of every sign change of many series (degree + 1, c) inside (-1, 1)."""
     columns = np.flatnonzero(_may_change_sign(series))
     at, places = [np.empty(0, dtype=np.int64)], [np.empty(0)]
     for block in _blocks(columns, len(series) - 1):
         some = series[:, block]
         cells = _eighths(some) if len(some) <= _LOCAL + 1 else _cells_with_zeros(some)
-        column, x = _sign_changes(some, cells, noise[block])
+        column, x = _sign_changes(some, cells)
         at.append(block[column])
         places.append(x)
     return np.concatenate(at), np.concatenate(places)
@@ -233,16 +229,15 @@ def _candidates(
         column, k = np.nonzero(wanted.T)
         cells = _cells_of(slopes, column, k, len(values))
         yield column, cells.left, values[k, column]
-    column, x = _sign_changes(slopes, cells, np.zeros(series.shape[1]))
+    column, x = _sign_changes(slopes, cells)
     yield column, x, _values_at(series[:, column], x)
 
 
-def _sign_changes(series: Array, cells: _Cells, noise: Array) -> tuple[Index, Array]:
-    """Column and x of each sign change in the cells."""
+def _sign_changes(series: Array, cells: _Cells) -> tuple[Index, Array]:
+    """Column and x of each sign change in the cells; what is rounding of a series has no sign."""
     if len(series) < 2 or not len(cells.column):
         return np.empty(0, dtype=np.int64), np.empty(0)
-    noise = np.maximum(noise, _CONTROL_ROUNDING * np.abs(series).sum(axis=0))
-    cells, before, after = _isolated(cells, noise)
+    cells, before, after = _isolated(cells, _CONTROL_ROUNDING * np.abs(series).sum(axis=0))
     inside = np.flatnonzero(before != after)
     column, bracket = cells.column[inside], np.array([cells.left[inside], cells.right[inside]])
     at_ends, sign = cells.control[:, inside], np.array([before[inside], after[inside]])

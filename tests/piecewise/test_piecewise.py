@@ -370,6 +370,69 @@ def test_concatenate_puts_components_side_by_side() -> None:
         Piecewise.concatenate([f, random_series(2)])
 
 
+@given(seeds, st.sampled_from([0.25, 1.0, 3.0]), st.sampled_from([0.0, -7.5, 1e3]))
+@hypothesis_settings(max_examples=20)
+def test_functions_are_moved_stretched_and_reversed_in_time(seed: int, factor: float, late: float) -> None:
+    """What each docstring says, at times inside the intervals: a reversed step has its other side on the right."""
+    f = random_series(seed)
+    s = (np.linspace(0, 1, 41)[1:-1] * f.lengths[:, None] + f.offsets[:-1, None]).ravel()
+    values = f.at_offsets(s)
+    np.testing.assert_allclose(f.shifted(late)(f.start + late + s), values, rtol=0, atol=1e-9)
+    np.testing.assert_array_equal(f.from_zero()(s), values)
+    np.testing.assert_allclose(f.stretched(factor)(f.start + factor * s), values, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(f.reversed()(f.duration - s), values, rtol=0, atol=1e-11)
+    starts = [g.start for g in (f.shifted(late), f.from_zero(), f.stretched(factor), f.reversed())]
+    assert starts == [f.start + late, 0.0, f.start, 0.0]
+    assert f.stretched(factor).duration == pytest.approx(factor * f.duration, rel=1e-15)
+
+
+@given(seeds)
+@hypothesis_settings(max_examples=20)
+def test_one_function_after_the_other_is_each_in_its_time(seed: int) -> None:
+    functions = [random_series(seed, degree=3, n=2), random_series(seed + 1, degree=8, n=1), random_series(seed, n=3)]
+    whole, start = Piecewise.sequence(functions), 0.0
+    assert whole.duration == pytest.approx(sum(f.duration for f in functions), rel=1e-15)
+    assert (whole.start, len(whole.lengths)) == (0.0, 6)
+    for f in functions:
+        s = np.linspace(0, f.duration, 50)[1:-1]
+        np.testing.assert_allclose(whole(start + s), f.at_offsets(s), rtol=0, atol=1e-11)
+        start += f.duration
+
+
+def test_constants_steps_and_factors_by_interval() -> None:
+    held = Piecewise.constant([2.0, -3.0], 4.0, start=1.0)
+    assert (held.start, held.duration, held([1.0, 5.0]).tolist()) == (1.0, 4.0, [[2.0, -3.0]] * 2)
+    f = Piecewise.from_power([0.0, 1.0, 3.0], [[[0.0, 1.0], [2.0, 5.0]], [[2.0, 1.0], [0.0, 1.0]]])
+    assert f.middles.tolist() == [0.5, 2.0]
+    assert f.stepwise([[7.0], [8.0]])([0.5, 2.0]).ravel().tolist() == [7.0, 8.0]
+    assert f.by_interval([2.0, -1.0])([0.5, 2.0]).tolist() == [[2.0, 3.0], [-2.0, -5.5]]
+    assert f.by_interval([[2.0, 0.0], [0.0, 1.0]])([0.5, 2.0]).tolist() == [[2.0, 0.0], [0.0, 5.5]]
+    for values, shape in (([[7.0]], r"\(1, 1\)"), ([7.0, 8.0], r"\(2,\)")):
+        with pytest.raises(ps.InputError, match=rf"values: shape {shape} is not \(2, p\), a row for each interval"):
+            f.stepwise(values)
+
+
+def test_the_last_coefficients_are_left_out_where_they_are_small_in_every_component() -> None:
+    """Each is held against the largest of its own component, on all intervals."""
+    series = np.zeros((6, 2, 2))
+    series[0], series[2, 1], series[3, 0, 1] = [[1.0, 1e6], [100.0, 1e6]], [8e-8, 0.0], 0.5e-3
+    f = Piecewise(breaks=[0.0, 1.0, 2.0], coefficients=series)
+    assert [f.trimmed(part).degree for part in (0.0, 4e-10, 6e-10, 9e-10)] == [3, 3, 2, 0]
+    assert (f * 0.0).trimmed(1e-3).degree == 0
+    np.testing.assert_array_equal(f.trimmed(6e-10).coefficients, series[:3])
+
+
+def test_mean_squares_and_spans_of_a_sine() -> None:
+    """Its mean square over whole periods is a half; it is positive on every other half period."""
+    sine = Piecewise.fit(lambda t: np.stack([np.sin(t), 3 * np.sin(t)], axis=1), [np.pi / 2, 4.0, 4.5 * np.pi])
+    np.testing.assert_allclose(sine.rms(), [np.sqrt(0.5), 3 * np.sqrt(0.5)], rtol=1e-12)
+    first, last = sine[0].positive_spans()
+    np.testing.assert_allclose(first, [np.pi / 2, 2 * np.pi, 4 * np.pi], rtol=1e-12)
+    np.testing.assert_allclose(last, [np.pi, 3 * np.pi, 4.5 * np.pi], rtol=1e-12)
+    with pytest.raises(ps.InputError, match="positive_spans: one component is needed, the function has 2"):
+        sine.positive_spans()
+
+
 # --- split ----------------------------------------------------------------------------------------
 
 

@@ -7,7 +7,7 @@ import pytest
 from numpy.polynomial import chebyshev
 
 from puma_septic.piecewise import Piecewise
-from puma_septic.piecewise.peaks import Steps, bounds, find_peaks
+from puma_septic.piecewise.peaks import Steps, bounds, find_peaks, ranges
 
 
 def decaying(rng: np.random.Generator, degree: int, count: int) -> np.ndarray:
@@ -51,6 +51,38 @@ def test_steps_are_seen_from_both_sides(rng: np.random.Generator) -> None:
         assert found.size[j] == pytest.approx((smooth + smooth.stepwise(levels[:, None])).extrema().peak[0], rel=1e-11)
 
 
+@pytest.mark.parametrize(("slope", "sign"), [(3.0, 1.0), (-3.0, 1.0), (3.0, -1.0)])
+def test_a_saw_peaks_beside_a_tooth_s_step(rng: np.random.Generator, slope: float, sign: float) -> None:
+    """Known answer: of teeth of nearly one height the highest is missed by points; it stands beside a step."""
+    count, teeth = 200, 6
+    x = np.sort(rng.uniform(-0.99, 0.99, (count, teeth)), axis=1)
+    ends = np.column_stack([np.full(count, -1.0), x, np.full(count, 1.0)])
+    heights = 1.0 + rng.uniform(0, 0.02, (count, teeth + 1))
+    # Each tooth has its height at its upper end.
+    level = heights - slope * (ends[:, 1:] if slope > 0 else ends[:, :-1])
+    series = sign * np.array([np.zeros(count), np.full(count, slope)])
+    level *= sign
+    steps = Steps(first=level[:, 0], column=np.repeat(np.arange(count), teeth), x=x.ravel(), level=level[:, 1:].ravel())
+    low = heights - abs(slope) * np.diff(ends, axis=1)
+    found = find_peaks(series, np.arange(count), count, steps)
+    assert found.size == pytest.approx(np.maximum(heights, np.abs(low)).max(axis=1), rel=1e-12)
+    # As a group of ten, too: what is known of one must not hide the tooth of another.
+    group = find_peaks(series, np.arange(count) // 10, count // 10, steps)
+    assert group.size == pytest.approx(found.size.reshape(-1, 10).max(axis=1), rel=1e-14)
+
+
+@pytest.mark.parametrize("m", [2, 8, 64])
+def test_the_range_of_chebyshev_polynomials_and_its_bounds(m: int) -> None:
+    """``3 + 2 T_4`` goes from 1 to 5; its bounds are 1 / cos(pi / (2 m)) times as far from the middle."""
+    series = np.array([[3.0, 7.0], *np.zeros((3, 2)), [2.0, 0.0]])
+    inner, outer = ranges(series, m)
+    assert inner == pytest.approx(np.array([[1.0, 7.0], [5.0, 7.0]]), rel=1e-13)
+    beyond = 2 / np.cos(np.pi / (2 * m))
+    assert outer == pytest.approx(np.array([[3 - beyond, 7.0], [3 + beyond, 7.0]]), rel=1e-13)
+    for constant in ranges(series[:1], m):
+        assert constant.tolist() == [[3.0, 7.0]] * 2
+
+
 @pytest.mark.parametrize("m", [2, 8, 64])
 def test_the_bound_is_attained_by_chebyshev_polynomials(m: int) -> None:
     """Ehlich and Zeller 1964: of all polynomials with magnitude 1 at the zeros of T_mn the largest is that one.
@@ -71,3 +103,5 @@ def test_ten_thousand_random_series_never_exceed_their_bounds(rng: np.random.Gen
             lower, upper = bounds(series, m)
             assert (peak <= upper * (1 + 1e-14)).all()
             assert (lower <= peak * (1 + 1e-14)).all()
+            outer = ranges(series, m)[1]
+            assert (peak <= np.abs(outer).max(axis=0) * (1 + 1e-14)).all()

@@ -7,7 +7,7 @@ import pytest
 from numpy.polynomial import chebyshev
 
 from puma_septic.piecewise import Piecewise
-from puma_septic.piecewise.peaks import Steps, bounds, find_peaks, ranges
+from puma_septic.piecewise.peaks import Steps, bounds, find_peaks, hidden, ranges
 
 
 def decaying(rng: np.random.Generator, degree: int, count: int) -> np.ndarray:
@@ -93,6 +93,22 @@ def test_the_bound_is_attained_by_chebyshev_polynomials(m: int) -> None:
     lower, upper = bounds(np.eye(8)[:, 7:], m)
     assert lower[0] == pytest.approx(1, rel=1e-13)
     assert upper[0] == pytest.approx(1 / np.cos(np.pi / (2 * m)), rel=1e-13)
+
+
+@pytest.mark.parametrize("degree", [7, 20, 40])
+def test_bounds_of_peaks_are_as_close_as_their_proofs(degree: int) -> None:
+    """The lesser of Ehlich and Zeller's, on 32 cells or as many as the degree, and n^2 h^2 / 8 above T_n's points."""
+    cells = max(degree, 32)
+    series = np.eye(degree + 1)[:, degree:]
+    above = degree**2 * (np.pi / cells) ** 2 / 8
+    assert hidden(series, cells) == pytest.approx([above], rel=1e-14)
+    found = find_peaks(series, np.zeros(1, dtype=int), 1)
+    zeller = 1 / np.cos(np.pi * degree / (2 * cells)) if degree < cells else np.inf
+    # T_n is 1 at both ends, which are points.
+    assert found.bound == pytest.approx([min(1 + above, zeller)], rel=1e-12)
+    # A step apart, what is hidden alone is proved.
+    steps = Steps(first=np.ones(1), column=np.zeros(1, dtype=int), x=np.array([0.5]), level=np.ones(1))
+    assert find_peaks(series, np.zeros(1, dtype=int), 1, steps).bound == pytest.approx([2 + above], rel=1e-12)
 
 
 def test_ten_thousand_random_series_never_exceed_their_bounds(rng: np.random.Generator) -> None:

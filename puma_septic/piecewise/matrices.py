@@ -6,10 +6,13 @@ Each is built once and shared, hence read-only.
 
 from __future__ import annotations
 
+from collections import OrderedDict
+from collections.abc import Callable
 from fractions import Fraction
-from functools import lru_cache
+from functools import wraps
 from math import comb
 from operator import mul
+from typing import Any, Final, TypeVar, TypeVarTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -27,6 +30,7 @@ __all__ = [
     "gram_matrix",
     "grid",
     "integral_matrix",
+    "kept",
     "nodes",
     "signs",
     "state_matrix",
@@ -37,8 +41,51 @@ __all__ = [
 ]
 
 
+# Of all matrices together. A task asks for 1 to 6 MB of them, and building some again takes less than 1 % of its time.
+# Without a bound a process that meets ever other degrees grows by hundreds of MB.
+_KEPT_BYTES: Final = 4_000_000
 # Up to this many points, cosines are the faster way; measured at degrees 7 to 128.
 _FEW = 64
+
+
+_T = TypeVar("_T")
+_Degrees = TypeVarTuple("_Degrees")
+_kept: OrderedDict[tuple[Any, ...], tuple[Any, int]] = OrderedDict()  # the values and their bytes, used last at the end
+
+
+def kept(build: Callable[[*_Degrees], _T]) -> Callable[[*_Degrees], _T]:
+    """Build once what depends on degrees alone, and keep of all such what was used last, 4 MB together.
+
+    A number of entries is no bound: a matrix grows with the square of its degree.
+
+    Parameters
+    ----------
+    build : callable
+        Of degrees by position; gives an array, or a tuple of them.
+
+    Returns
+    -------
+    callable
+    """
+
+    @wraps(build)
+    def get(*degrees: *_Degrees) -> _T:
+        key = (build, *degrees)
+        try:
+            _kept.move_to_end(key)
+            found: _T = _kept[key][0]
+        except KeyError:  # or another thread has put it out just now
+            found = build(*degrees)
+            _kept[key] = found, _bytes(found)
+            while sum(size for _, size in list(_kept.values())) > _KEPT_BYTES:
+                _kept.popitem(last=False)
+        return found
+
+    return get
+
+
+def _bytes(value: Any) -> int:
+    return sum(map(_bytes, value)) if isinstance(value, tuple) else int(value.nbytes)
 
 
 def _shared(array: Array) -> Array:
@@ -68,20 +115,20 @@ def basis_at(x: Array, degree: int) -> Array:
     return rows
 
 
-@lru_cache(maxsize=256)
+@kept
 def nodes(degree: int) -> Array:
     """The Chebyshev-Lobatto points in increasing order, both ends included, shape (degree + 1,)."""
     # sin keeps the points exactly symmetric about 0.
     return _shared(np.sin(np.pi * np.arange(-degree, degree + 1, 2) / (2 * degree)) if degree else np.zeros(1))
 
 
-@lru_cache(maxsize=256)
+@kept
 def values_matrix(degree: int, at_degree: int) -> Array:
     """Values at ``nodes(at_degree)`` of a series: shape (at_degree + 1, degree + 1)."""
     return _shared(np.asarray(chebyshev.chebvander(nodes(at_degree), degree), dtype=np.float64))
 
 
-@lru_cache(maxsize=256)
+@kept
 def coefficients_from_values(degree: int) -> Array:
     """Coefficients of the interpolant of values at ``nodes(degree)``: the type-I cosine transform as a matrix."""
     if degree == 0:
@@ -93,13 +140,13 @@ def coefficients_from_values(degree: int) -> Array:
     return _shared(matrix)
 
 
-@lru_cache(maxsize=256)
+@kept
 def derivative_matrix(degree: int) -> Array:
     """Coefficients of the derivative by x, shape (max(degree, 1), degree + 1)."""
     return _shared(np.asarray(chebyshev.chebder(np.eye(degree + 1))))
 
 
-@lru_cache(maxsize=256)
+@kept
 def state_matrix(degree: int, count: int) -> Array:
     """A series and its first `count` derivatives by x, stacked: ((count + 1) (degree + 1), degree + 1)."""
     one = np.zeros((degree + 1, degree + 1))
@@ -107,13 +154,13 @@ def state_matrix(degree: int, count: int) -> Array:
     return _shared(np.concatenate([np.linalg.matrix_power(one, k) for k in range(count + 1)]))
 
 
-@lru_cache(maxsize=256)
+@kept
 def integral_matrix(degree: int) -> Array:
     """Coefficients of the integral by x from -1, shape (degree + 2, degree + 1)."""
     return _shared(np.asarray(chebyshev.chebint(np.eye(degree + 1), lbnd=-1)))
 
 
-@lru_cache(maxsize=256)
+@kept
 def gram_matrix(degree: int) -> Array:
     """``G[i, j]``, the integral of ``T_i T_j`` over [-1, 1], so that the integral of f g is ``f @ G @ g``."""
     k = np.arange(degree + 1)
@@ -124,7 +171,7 @@ def gram_matrix(degree: int) -> Array:
     return _shared(matrix)
 
 
-@lru_cache(maxsize=256)
+@kept
 def signs(degree: int) -> Array:
     """``T_k(-1) = (-1)^k``, shape (degree + 1,)."""
     return _shared(np.resize([1.0, -1.0], degree + 1))
@@ -146,7 +193,7 @@ def tail(series: Array) -> Array:
     return np.asarray(np.abs(series[-max(2, len(series) // 8) :]).max(axis=0))
 
 
-@lru_cache(maxsize=256)
+@kept
 def end_derivatives(degree: int) -> Array:
     """``T_k^(r)(1) = prod (k^2 - i^2) / (2 i + 1)`` over i < r, for r = 0 to 3, shape (4, degree + 1).
 
@@ -157,7 +204,7 @@ def end_derivatives(degree: int) -> Array:
     return _shared(np.cumprod(factors, axis=0))
 
 
-@lru_cache(maxsize=256)
+@kept
 def from_power_matrix(degree: int) -> Array:
     """Chebyshev coefficients in x of powers of ``s = (x + 1) / 2``, shape (degree + 1, degree + 1)."""
     matrix = np.zeros((degree + 1, degree + 1))
@@ -168,7 +215,7 @@ def from_power_matrix(degree: int) -> Array:
     return _shared(matrix)
 
 
-@lru_cache(maxsize=256)
+@kept
 def to_power_matrix(degree: int) -> Array:
     """Powers of ``s = (x + 1) / 2`` of Chebyshev coefficients in x: the inverse of `from_power_matrix`.
 
@@ -183,13 +230,13 @@ def to_power_matrix(degree: int) -> Array:
     return _shared(matrix)
 
 
-@lru_cache(maxsize=256)
+@kept
 def grid(degree: int) -> Array:
     """Values of a series at `nodes` that over-sample it fourfold, at least 32 cells, shape (points, degree + 1)."""
     return values_matrix(degree, max(4 * degree, 32))
 
 
-@lru_cache(maxsize=256)
+@kept
 def to_bernstein_matrix(degree: int) -> Array:
     """Control values (coefficients in Bernstein's basis on [-1, 1]) of a series, shape (degree + 1, degree + 1).
 
@@ -201,14 +248,14 @@ def to_bernstein_matrix(degree: int) -> Array:
     return _shared(np.array([[float(sum(map(mul, row, power))) for power in powers] for row in rows]))
 
 
-@lru_cache(maxsize=256)
+@kept
 def bernstein_halves(degree: int) -> tuple[Array, Array]:
     """Control values on the lower and on the upper half, of those on the whole: de Casteljau's, as two matrices."""
     lower = np.array([[comb(row, k) / 2**row for k in range(degree + 1)] for row in range(degree + 1)])
     return _shared(lower), _shared(lower[::-1, ::-1].copy())
 
 
-@lru_cache(maxsize=256)
+@kept
 def bernstein_eighths(degree: int) -> Array:
     """Control values of a series on each eighth of [-1, 1], shape (8, degree + 1, degree + 1)."""
     parts = [to_bernstein_matrix(degree)]

@@ -13,7 +13,6 @@ needed, and attained by Chebyshev polynomials.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from math import cos, factorial, pi
 from typing import Final, NamedTuple, final
 
@@ -151,7 +150,7 @@ class _Grid(NamedTuple):
     taylor: Array
 
 
-@lru_cache(maxsize=64)
+@matrices.kept
 def _grid(degree: int) -> _Grid:
     theta = np.linspace(pi, 0.0, max(degree, _LEAST_POINTS) + 1)
     k = np.arange(degree + 1.0)

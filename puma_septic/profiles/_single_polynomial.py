@@ -205,7 +205,7 @@ class _Conditions(NamedTuple):
     doubt: float
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=4)  # each of 200 points has 1.6 MB
 def _conditions(t: tuple[float, ...]) -> _Conditions:
     degree = len(t) + 3
     angle = np.arccos(np.array(t, dtype=np.longdouble) / (t[-1] / 2) - 1)

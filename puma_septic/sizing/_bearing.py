@@ -8,7 +8,7 @@ one that the exact inverse dynamics leave to the bearing.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Final, final
 
 import numpy as np
@@ -16,7 +16,7 @@ import numpy as np
 from puma_septic.drives import Gearbox
 from puma_septic.piecewise import Piecewise
 from puma_septic.sizing._gearbox import weighted_power_mean
-from puma_septic.sizing._loads import JointLoad
+from puma_septic.sizing._loads import JointLoad, kept_by_load
 
 __all__ = ["BearingLoad", "bearing_life", "bearing_load", "equivalent_load"]
 
@@ -157,16 +157,16 @@ def bearing_load(load: JointLoad, gearbox: Gearbox) -> BearingLoad | None:
     -------
     BearingLoad or None
     """
+    return _about(load, gearbox.bearing_offset)
+
+
+@kept_by_load
+def _about(load: JointLoad, offset: float) -> BearingLoad | None:
+    """About a point on the axis."""
     if load.cycle is None or load.is_prismatic or load.slide is not None:
         return None
-    return _about(load, load.cycle.joint_wrench, gearbox.bearing_offset)
-
-
-@lru_cache(maxsize=64)
-def _about(load: JointLoad, wrenches: Piecewise, offset: float) -> BearingLoad:
-    """About a point on the axis; kept, as many gearboxes are tried at one joint."""
     first = 6 * load.number
-    wrench = wrenches[first : first + 6]
+    wrench = load.cycle.joint_wrench[first : first + 6]
     across = (wrench[0], wrench[1])
     moments = wrench[3] + across[1] * offset, wrench[4] - across[0] * offset
     return BearingLoad(

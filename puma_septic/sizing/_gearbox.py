@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from puma_septic.drives import Gearbox
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
-from puma_septic.sizing._loads import JointLoad
+from puma_septic.sizing._loads import JointLoad, kept_by_load
 from puma_septic.validation import Array, checked_array, checked_number
 
 __all__ = [
@@ -206,9 +206,8 @@ def average_load_torque(load: JointLoad, exponent: float = 3.0) -> float:
     return float((max(weighted, 0.0) / (load.mean_speed * load.duration)) ** (1 / _WHOLE))
 
 
-@lru_cache(maxsize=64)
+@kept_by_load
 def _power_mean(load: JointLoad, exponent: float) -> float:
-    """Kept, as many gearboxes are tried at one joint."""
     return weighted_power_mean(load.torque * load.torque, load.speed, exponent)
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Final, final
+from functools import wraps
+from typing import Final, TypeVar, final
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +25,12 @@ __all__ = [
     "gearbox_load",
     "inertia_ratio",
     "joint_load",
+    "kept_by_load",
     "motor_load",
     "torque_by_cause",
 ]
+
+_T = TypeVar("_T")
 
 
 def gear_loss(gearbox: Gearbox, torque: Piecewise, speed: Piecewise, direction: Array) -> Piecewise:
@@ -93,7 +98,7 @@ def _cells(
 
 
 @final
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+@dataclass(frozen=True, slots=True, weakref_slot=True, eq=False, kw_only=True)
 class JointLoad:
     """One joint over a cycle, without its drive.
 
@@ -165,6 +170,30 @@ class JointLoad:
     def moves(self) -> bool:
         """Whether the joint does anything but rest."""
         return bool(self.velocity_sign.any())
+
+
+def kept_by_load(compute: Callable[[JointLoad, float], _T]) -> Callable[[JointLoad, float], _T]:
+    """Compute once what many gearboxes ask of one load, and keep it as long as the load lives, which holds its motions.
+
+    Parameters
+    ----------
+    compute : callable
+        Of a load and a number; its answer must not hold the load.
+
+    Returns
+    -------
+    callable
+    """
+    kept: WeakKeyDictionary[JointLoad, dict[float, _T]] = WeakKeyDictionary()
+
+    @wraps(compute)
+    def get(load: JointLoad, number: float) -> _T:
+        answers = kept.setdefault(load, {})
+        if number not in answers:
+            answers[number] = compute(load, number)
+        return answers[number]
+
+    return get
 
 
 @final

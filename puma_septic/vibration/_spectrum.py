@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -12,6 +11,7 @@ from scipy.special import jve
 
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
+from puma_septic.piecewise.matrices import kept
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_array, checked_kind, checked_number, n_dimensions
 
@@ -130,7 +130,7 @@ def _of_block(function: Piecewise, series: Array, rates: Complex) -> Complex:
     return np.asarray(np.einsum("fid,dij,fi->fj", 2 * (-1j) ** degrees * bessel, series, decay * half, optimize=True))
 
 
-@lru_cache(maxsize=64)
+@kept
 def _to_legendre(degree: int) -> Array:
     """Matrix from Chebyshev to Legendre coefficients, by Gauss's rule, which is exact for them."""
     x, weights = legendre.leggauss(degree + 1)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
 from functools import cache
 
 import numpy as np
@@ -11,7 +13,7 @@ from helpers.duty import paper_motion
 
 import puma_septic as ps
 from puma_septic.dynamics import joint_wrenches
-from puma_septic.sizing._gearbox import weighted_power_mean
+from puma_septic.sizing._gearbox import average_load_torque, weighted_power_mean
 
 # What the fit of the wrench leaves of the torque's own.
 FITTED = 1e-9
@@ -151,3 +153,14 @@ def test_checks_of_the_output_bearing() -> None:
     bare = ps.size(cycle(), drivetrains=[ps.Drivetrain(gearbox=ps.Gearbox(ratio=1.0))] * 6)
     for name in ("tilting moment", "axial force", "radial force", "static load", "life"):
         assert any(f"output bearing {name}: needs" in line for line in bare.not_assessed)
+
+
+def test_what_is_kept_of_a_load_does_not_keep_it() -> None:
+    """A process that sized arms held the last 64 loads, and with each the motions of its cycle."""
+    load, gearbox = ps.sizing.joint_load(cycle(), 1), ps.Gearbox(ratio=1.0)
+    first = ps.sizing.bearing_load(load, gearbox), average_load_torque(load, 10 / 3)
+    assert (ps.sizing.bearing_load(load, gearbox), average_load_torque(load, 10 / 3)) == first
+    held = weakref.ref(load)
+    del load
+    gc.collect()
+    assert held() is None

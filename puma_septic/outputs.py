@@ -85,7 +85,8 @@ def new_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
     """A folder to write into, which takes its name when all is written.
 
     What is yielded is a hidden folder, which is removed if anything goes wrong inside, so that nobody finds half of a
-    result. A folder that exists stays the same one, with its owner and permissions: the files are moved into it.
+    result. A folder that exists stays the same one, with its owner and permissions: the files are moved into it, out of
+    sight where it is empty. With content, or a mount point, it is filled file by file: each is the old or the new one.
 
     Parameters
     ----------
@@ -247,16 +248,38 @@ def _fill(target: Path, partial: Path, path: str | Path, *, overwrite: bool) -> 
     try:
         with suppress(OSError):  # a file system without locks
             fcntl.flock(handle, fcntl.LOCK_EX)
-        if not overwrite and _is_filled(target):
+        if not _is_filled(target):
+            _fill_empty(target, partial)
+        elif overwrite:
+            _move(partial, target)
+        else:
             raise InputError(f"cannot write the folder {path}: another run has filled it")
-        _move(partial, target)
         _to_disk(target)
+        _to_disk(target.parent)
     finally:
         os.close(handle)
 
 
+def _fill_empty(target: Path, partial: Path) -> None:
+    """Fill a folder while it stands inside the hidden one: a kill between two files leaves nothing to be seen."""
+    place = partial / partial.name
+    try:
+        target.rename(place)
+    except OSError:  # a mount point, a folder that is not ours to rename, or the hidden one stands inside it
+        place = target
+    try:
+        _move(partial, place)
+        _to_disk(place)
+    except BaseException:
+        _move(place, partial)
+        raise
+    finally:
+        if place != target:
+            place.rename(target)
+
+
 def _move(source: Path, target: Path) -> None:
-    for item in sorted(source.iterdir()):
+    for item in sorted(item for item in source.iterdir() if not _is_unfinished(item.name)):
         place = target / item.name
         if item.is_dir() and place.is_dir():
             _move(item, place)

@@ -159,6 +159,52 @@ def test_an_existing_folder_stays_the_same_one(tmp_path: Path, monkeypatch: pyte
     assert (target / "inner" / "a.txt").read_text() == "a"
 
 
+def test_an_empty_folder_is_never_seen_half_full(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A kill between two of twenty files left the first ones under the final name, and the others were swept away."""
+    target, seen, real = tmp_path / "results", list[list[str]](), Path.replace
+    target.mkdir()
+
+    def replace(path: Path, place: Path) -> Path:
+        seen.append(left_in(target) if target.exists() else [])  # what a kill at this instant leaves
+        return real(path, place)
+
+    monkeypatch.setattr(Path, "replace", replace)
+    with new_folder(target) as folder:
+        for name in "abc":
+            (folder / name).touch()
+    assert seen == [[], [], []]
+    assert left_in(target) == ["a", "b", "c"]
+
+
+@pytest.mark.parametrize("is_mounted", [False, True])
+def test_a_folder_that_cannot_be_filled_is_empty_again(
+    is_mounted: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target, real = tmp_path / "results", Path.replace
+    target.mkdir()
+    before = target.stat().st_ino
+    if is_mounted:  # nothing can be renamed that is a mount point
+        monkeypatch.setattr(Path, "rename", _busy)
+
+    def replace(path: Path, place: Path) -> Path:
+        if path.name == "b":
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return real(path, place)
+
+    monkeypatch.setattr(Path, "replace", replace)
+    writer = new_folder(target)
+    folder = writer.__enter__()
+    for name in "abc":
+        (folder / name).touch()
+    with pytest.raises(ps.InputError, match="results: No space left on device"):
+        writer.__exit__(None, None, None)
+    assert (target.stat().st_ino, left_in(target), left_in(tmp_path)) == (before, [], ["results"])
+
+
+def _busy(*_: Any) -> None:
+    raise OSError(errno.EBUSY, "Device or resource busy")
+
+
 def test_a_folder_whose_parent_is_not_ours_can_be_filled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A mount point, as ``docker -v`` makes: nothing can be renamed onto it, and beside it is another disk."""
     target = tmp_path / "mounted"

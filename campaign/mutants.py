@@ -42,7 +42,7 @@ ROOMS: Final = {
         " tests/simulation/test_simulate.py",
     ),
     "motion": ("motion.py", "tests/test_motion.py tests/test_truth.py tests/assessment"),
-    "limit_check": ("limit_check.py", "tests/test_limit_check.py tests/assessment"),
+    "limit_check": ("limit_check.py", "tests/test_limit_check.py tests/test_quantities.py tests/assessment"),
     "assessment": ("assessment", "tests/assessment tests/cycle tests/test_truth.py"),
     "robot": ("robot", "tests/robot"),
     "drives": ("drives", "tests/drives tests/sizing"),

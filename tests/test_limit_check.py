@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from math import inf, nan
+
 import numpy as np
 import pytest
 
 import puma_septic as ps
 from puma_septic.assessment import limit_checks
-from puma_septic.limit_check import AT_LIMIT, LimitCheck
+from puma_septic.limit_check import AT_LIMIT, LimitCheck, most_used_first
 from puma_septic.testing import assert_feasible
 
 HOME = [0.3, -0.5, 0.2, 0.1, 0.4, -0.3]
@@ -64,3 +67,89 @@ def test_double_s_at_the_limits_of_the_robot_keeps_them(puma: ps.Robot) -> None:
         demands = {name: move.peak(order) for order, name in enumerate(limits, start=1)}
         checks = limit_checks(puma.with_limits(**limits), move.extrema(0), demands)
         assert [str(check) for check in checks if check.is_violated and check.quantity != "position"] == []
+
+
+def torque(demand: float = 30.0, limit: float = 40.0, time: float = 0.25) -> LimitCheck:
+    return LimitCheck.of_magnitude(
+        joint="elbow", quantity="effort", demand=demand, limit=limit, unit="N m", time=time, source="maker"
+    )
+
+
+def position(bounds: tuple[float, float], reach: tuple[float, float] = (-1.0, 2.0)) -> LimitCheck:
+    return LimitCheck.of_position(joint="elbow", bounds=bounds, reach=reach, times=(0.25, 0.5), unit="rad")
+
+
+def height(height: float) -> LimitCheck:
+    return LimitCheck.of_height(part="wrist", height=height, floor=0.5, time=0.25)
+
+
+SENTENCES = {
+    "elbow torque 30 N m at t = 0.25 s is 75 % of 40 N m": torque(),
+    "elbow torque 30 N m is 75 % of 40 N m": torque(time=nan),  # a mean has no instant
+    "elbow torque 30 N m at t = 0.25 s of 'lift' is 75 % of 40 N m (rule of thumb)": replace(
+        torque(), case="lift", kind="rule of thumb"
+    ),
+    "elbow torque unbounded at t = 0.25 s, limit 40 N m": torque(demand=inf),
+    "elbow torque unbounded at t = 0.25 s, whatever the limit (physics)": replace(
+        torque(demand=inf, limit=nan), kind="physics"
+    ),
+    "elbow life 2 at t = 0.25 s is 80 % of 2.5": LimitCheck.of_magnitude(
+        joint="elbow", quantity="life", demand=2.0, limit=2.5, unit="", time=0.25
+    ),
+    "elbow position 2 rad at t = 0.5 s is 0.5 rad from its bound 2.5 rad": position((-3.0, 2.5)),
+    "elbow position -1 rad at t = 0.25 s is 0.5 rad beyond its bound -0.5 rad": position((-0.5, nan)),
+    "wrist height 0.75 m at t = 0.25 s is 0.25 m above the floor at 0.5 m": height(0.75),
+    "wrist height 0.25 m at t = 0.25 s is 0.25 m below the floor at 0.5 m": height(0.25),
+}
+
+
+@pytest.mark.parametrize("text", SENTENCES)
+def test_each_kind_of_check_has_its_sentence(text: str) -> None:
+    assert str(SENTENCES[text]) == text
+    assert repr(SENTENCES[text]) == f"<LimitCheck: {text}>"
+
+
+@pytest.mark.parametrize(
+    ("check", "utilisation", "margin"),
+    [
+        (torque(), 0.75, 0.25),
+        (torque(demand=50.0), 1.25, -0.25),
+        (torque(limit=0.0), inf, -inf),
+        (torque(demand=0.0, limit=0.0), inf, -inf),  # what may do nothing at all is no limit that can be kept
+        (torque(demand=inf, limit=nan), inf, -inf),
+        (position((-1.5, 4.5)), 2.5 / 3, 0.5),  # middle 1.5, half the range 3
+        (position((-4.0, 1.0)), 3.5 / 2.5, -1.0),
+        (position((-1.5, 2.5)), 1.5 / 2, 0.5),  # as near to both
+        (position((nan, 2.0)), 0.0, 0.0),
+        (position((nan, 2.0 - AT_LIMIT / 2)), 0.0, -AT_LIMIT / 2),
+        (position((nan, 2.0 - 2 * AT_LIMIT)), inf, -2 * AT_LIMIT),
+        (height(0.75), 0.0, 0.25),
+        (height(0.5 - AT_LIMIT / 2), 0.0, -AT_LIMIT / 2),
+        (height(0.25), inf, -0.25),
+    ],
+)
+def test_utilisation_and_margin(check: LimitCheck, utilisation: float, margin: float) -> None:
+    # Positions a nanoradian apart are known to their own rounding, 4e-16.
+    assert check.utilisation == pytest.approx(utilisation, rel=1e-15)
+    assert check.margin == pytest.approx(margin, rel=1e-6, abs=1e-15)
+    assert check.is_violated == (margin < -AT_LIMIT)
+    # A margin that is asked for is a share of a magnitude; a distance from a bound or floor it does not concern.
+    for asked in (0.0, 0.25, 0.26):
+        assert check.keeps(asked) == (not check.is_violated if check.is_range else margin >= asked)
+
+
+def test_a_check_tells_where_it_comes_from() -> None:
+    facts = {
+        "joint": "elbow", "quantity": "effort", "demand": 30.0, "limit": 40.0, "unit": "N m", "time": 0.25,
+        "utilisation": 0.75, "margin": 0.25, "kind": "joint limit", "source": "maker",
+    }  # fmt: skip
+    assert torque().to_dict() == facts
+    assert replace(torque(), case="lift").to_dict() == {**facts, "case": "lift"}
+    assert (height(0.75).source, position((-3.0, 2.5)).source) == ("floor", "")
+
+
+def test_of_checks_that_are_used_alike_the_first_one_governs() -> None:
+    """Rounding once chose which of two equal joints was told as the worst."""
+    first, second, more = torque(30.0), torque(30.0 * (1 + 1e-12)), torque(30.001)
+    assert most_used_first([first, second, more]) == (more, first, second)
+    assert most_used_first([second, first, torque(inf)])[1:] == (second, first)

@@ -285,7 +285,7 @@ class Assessment:
             *self.doubts,
             *(below_base_remarks(self.lowest) if self.floor is None else ()),
             *motion.robot.notes,
-            *rest_remarks(motion, held),
+            *rest_remarks(motion, self.peak_torque, held),
             *friction_step_remarks(motion),
         )
 

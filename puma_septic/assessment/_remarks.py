@@ -28,7 +28,7 @@ def below_base_remarks(lowest: LowestPoint) -> tuple[str, ...]:
     return (f"the arm hangs low: {lowest.part} comes {below}; a floor would forbid it",)
 
 
-def rest_remarks(motion: Motion, held: tuple[Array, Array] | None) -> tuple[str, ...]:
+def rest_remarks(motion: Motion, peak_torque: Array, held: tuple[Array, Array] | None) -> tuple[str, ...]:
     """Joints that rest for a while, where static friction may carry any torque within its band.
 
     `held` is what a dwell takes, without and with the help of static friction; None without a dwell.
@@ -42,11 +42,12 @@ def rest_remarks(motion: Motion, held: tuple[Array, Array] | None) -> tuple[str,
     if not bands:
         return ()
     remark = "at rest, static friction may carry any torque within its band (N m), taken as 0 here: " + ", ".join(bands)
-    return (remark,) if held is None else (remark, _dwell_remark(motion, held))
+    return (remark,) if held is None else (remark, _dwell_remark(motion, peak_torque, held))
 
 
-def _dwell_remark(motion: Motion, held: tuple[Array, Array]) -> str:
-    rounding = _NO_TORQUE * np.fmax.reduce(np.abs(held[0]), initial=0.0)
+def _dwell_remark(motion: Motion, peak_torque: Array, held: tuple[Array, Array]) -> str:
+    sizes = np.abs([held[0], peak_torque])
+    rounding = _NO_TORQUE * sizes[np.isfinite(sizes)].max(initial=0.0)
     torques = [np.where(np.abs(torque) > rounding, torque, 0.0) for torque in held]
     both = zip(motion.robot.joint_names, motion.robot.knows_torque, *torques, strict=True)
     return (

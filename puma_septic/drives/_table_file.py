@@ -220,7 +220,7 @@ def _number(text: str, has_commas: bool) -> float:
     """
     plain = re.sub(r"['\u00a0\u202f ]", "", text)
     if "," in plain and "." in plain:
-        decimal = max("., ".strip(), key=plain.rindex)
+        decimal = max(".,", key=plain.rindex)
         plain = plain.replace("," if decimal == "." else ".", "")
         return float(plain.replace(",", "."))
     if "," in plain:

@@ -432,6 +432,17 @@ def test_static_friction_is_named_for_the_joints_that_rest(puma: ps.Robot) -> No
     assert not any("static friction" in r for r in unknown.remarks)
 
 
+def test_what_a_dwell_takes_is_told_without_and_with_the_help_of_friction(tmp_path: Path) -> None:
+    """2 kg at 0.5 m need 9.81 N m at the horizontal, and fall backwards, against which friction has 100 * 0.01 N m."""
+    drives = DRIVE.format(name="swing", ratio=100.0, rotor=0.0, viscous=0.0, positive=0.02, negative=-0.01)
+    arm = pendulum(tmp_path, drives=drives)
+    *_, remark = ps.assess(arm, ps.quintic_segments([[0.0], [np.pi / 2]], [0, 2]), dwell=1.0).remarks
+    assert remark.endswith("and with all its help (N m): swing 9.81 (8.81)")
+    # Upright again nothing is held, whatever rounding leaves of it.
+    *_, remark = ps.assess(arm, ps.quintic_segments([[0.0], [np.pi]], [0, 2]), dwell=1.0).remarks
+    assert remark.endswith(": swing 0 (0)")
+
+
 def test_what_is_computed_late_is_computed_once() -> None:
     result = ps.assess(ps.load_robot(), paper_move("septic"))
     for name in ("tool", "checks", "position"):
@@ -467,6 +478,30 @@ def test_arguments_that_do_not_belong_together_are_refused(puma: ps.Robot) -> No
         ps.assess(motion, dwell=-1.0)
     with pytest.raises(ps.InputError, match="dwell"):
         ps.assess(motion, dwell=float("nan"))
+    with pytest.raises(ps.InputError, match=r"tool_limits: expected paths.ToolLimits, got 0.25"):
+        ps.assess(motion, tool_limits=0.25)  # type: ignore[arg-type]
+    with pytest.raises(ps.InputError, match=r"unknown quantity 'position'; valid: 'velocity', 'acceleration'"):
+        ps.assess(motion).peak("position")
+
+
+def test_a_rest_behind_a_motion_that_ends_moving_is_refused_with_the_fastest_joint(tmp_path: Path) -> None:
+    """Joint 1 stops at 1 s, which is an answer; what moves at the end cannot rest there."""
+    move = ps.profiles.linear([[0.0, 0.0], [1.0, 0.5], [1.25, -0.5]], [0.0, 1.0, 2.0])
+    with pytest.raises(ps.InputError, match=r"dwell = 0.5 s: the motion ends moving .* joint 2 has -1 rad/s there"):
+        ps.assess(twins(tmp_path), replace(move, rest_after=False), dwell=0.5)
+    stops = ps.profiles.linear([[0.0, 0.0], [1.0, 0.5], [1.0, 0.5]], [0.0, 1.0, 2.0])
+    assert ps.assess(twins(tmp_path), replace(stops, rest_after=False), dwell=0.5).dwell == 0.5
+
+
+def test_what_a_notebook_shows_is_the_document() -> None:
+    result = assessed("septic")
+    shown = "<Assessment: robot puma560, profile septic, duration 9 s, verdict infeasible, 3 limits violated; the "
+    assert repr(result).startswith(shown)
+    assert f"{result.verdict}</strong>" in result._repr_html_()
+    table = result.to_dataframe()
+    assert list(table.index) == list(result.motion.robot.joint_names)
+    assert "checks" not in table
+    np.testing.assert_array_equal(table["peak_torque"], result.peak_torque)
 
 
 # ---- points in another unit

@@ -56,6 +56,8 @@ def test_it_is_infinite_where_the_acceleration_steps(puma: ps.Robot) -> None:
     assert "joint1 torque rate unbounded at t = 0 s, limit 1000 N m/s" in map(str, assessment.violations)
     flags = [flag for flag in flags_of(assessment) if "torque rate" in flag.text]
     assert flags[0].text == "joint1 torque rate unbounded at t = 0 s, limit 1000 N m/s"
+    # A step of the velocity between two constant ones: no step of the acceleration tells of it.
+    assert np.isinf(ps.assess(robot, ps.profiles.linear(VIAS, [0.0, 0.6, 1.5])).peak("torque_rate")[0]).all()
 
 
 def test_friction_steps_are_left_out_and_told(puma: ps.Robot) -> None:

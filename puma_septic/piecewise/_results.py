@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
 import numpy as np
 
 from puma_septic.validation import Array, frozen
 
-__all__ = ["Extrema", "Jumps"]
+__all__ = ["EQUAL", "Extrema", "Jumps"]
 
-# Two magnitudes that differ by less than this part are one, to rounding.
-_EQUAL = 1e-13
+# Values that differ by less than this part are one: where a torque comes back, and on a processor of another kind, it
+# differs by some hundred roundings.
+EQUAL: Final = 1e-12
 
 
 @final
@@ -46,7 +47,7 @@ class Extrema:
         """Instant of the largest magnitude, the first where minimum and maximum are equal to rounding, shape (m,)."""
         down, up = np.abs(self.min), np.abs(self.max)
         first = np.minimum(self.t_min, self.t_max)
-        return frozen(np.where(np.abs(down - up) <= _EQUAL * up, first, np.where(down > up, self.t_min, self.t_max)))
+        return frozen(np.where(np.abs(down - up) <= EQUAL * up, first, np.where(down > up, self.t_min, self.t_max)))
 
 
 @final

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from puma_septic.piecewise import matrices
+from puma_septic.piecewise._results import EQUAL
 from puma_septic.validation import Array
 
 __all__ = ["find_extrema", "find_sign_changes", "sign_changes"]
@@ -31,7 +32,10 @@ __all__ = ["find_extrema", "find_sign_changes", "sign_changes"]
 Index = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 _EPS = np.finfo(np.float64).eps
-# Extrema that differ by less than this part of the sum of |coefficients| are equal.
+# Values that differ by less than EQUAL and are at most this part of an interval apart are of one peak: a motion that
+# ends without acceleration and jerk is that near to its last position for some thousandths of its time.
+_AROUND = 1e-2
+# Values that differ by less than this part of the sum of |coefficients| are equal to rounding.
 _ROUNDING = 64 * _EPS
 # From where the chord of its bracket is zero, Newton needs three to five steps in all but a few of a thousand cases.
 _NEWTON_STEPS = 6
@@ -55,7 +59,7 @@ _BLOCK = 1 << 21
 def find_extrema(
     breaks: Array, coefficients: Array, turning: int = 0
 ) -> tuple[tuple[Array, Array], tuple[Array, Array], tuple[Array, ...]]:
-    """((minima, their times), (maxima, their times), turns); of values equal to rounding, the first.
+    """((minima, their times), (maxima, their times), turns); of equal values, the first.
 
     Minima, maxima and their times have the shape (m,). `turns` are, for each of the first components, `turning` of
     them, the times inside the intervals at which its slope changes its sign: all, not those of extrema alone.
@@ -64,7 +68,8 @@ def find_extrema(
     series = coefficients.reshape(-1, n * m)
     size = np.abs(coefficients)
     total = size.sum(axis=0)
-    equal = _ROUNDING * total.max(axis=0)
+    scale = total.max(axis=0)
+    equal = EQUAL * scale
     left, right = (matrices.signs(len(series) - 1) @ series).reshape(n, m), coefficients.sum(axis=0)
     low, high = np.minimum(left, right).min(axis=0), np.maximum(left, right).max(axis=0)
     ends = np.arange(n * m)
@@ -75,7 +80,7 @@ def find_extrema(
     turning_at, turns = [np.empty(0, dtype=np.int64)], [np.empty(0)]
     for block in _blocks(np.flatnonzero(wanted.ravel() & _may_change_sign(slopes)), len(series) - 1):
         some = (series[:, block], slopes[:, block])
-        candidates = _candidates(*some, block % m, low - equal, high + equal, turning)
+        candidates = _candidates(*some, block % m, low - _ROUNDING * scale, high + _ROUNDING * scale, turning)
         found += [(block[column], x, value) for column, x, value in candidates]
         if turning:
             at, x, _ = found[-1]
@@ -84,18 +89,28 @@ def find_extrema(
     at, x, value = (np.concatenate(part) for part in zip(*found, strict=True))
     component, times = np.concatenate(turning_at), np.concatenate(turns)
     turned = tuple(times[component == j] for j in range(turning))
-    return *_extremes(at % m, _times(breaks, at // m, x), value, equal), turned
+    places = (at % m, _times(breaks, at // m, x))
+    around = _AROUND * float(np.diff(breaks).max())
+    (least, t_least), greatest = (_highest(*places, signed, scale, around) for signed in (-value, value))
+    return (-least, t_least), greatest, turned
 
 
-def _extremes(j: Index, times: Array, values: Array, equal: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """((minima, their times), (maxima, their times)) of values of components j at times; all components occur."""
-    low, high, t_low, t_high = np.full((4, len(equal)), [[np.inf], [-np.inf], [np.inf], [np.inf]])
-    np.minimum.at(low, j, values)
+def _highest(j: Index, times: Array, values: Array, total: Array, around: float) -> tuple[Array, Array]:
+    """Maxima, and their times, of values of components j at times, of which all occur; `total` is their scale.
+
+    Of peaks that are equal the first, and of what is `around` it the first that is the highest to rounding.
+    """
+    first, time = np.full((2, len(total)), np.inf)
+    high, top = np.full((2, len(total)), -np.inf)
     np.maximum.at(high, j, values)
-    lowest, highest = values <= (low + equal)[j], values >= (high - equal)[j]
-    np.minimum.at(t_low, j[lowest], times[lowest])
-    np.minimum.at(t_high, j[highest], times[highest])
-    return (low, t_low), (high, t_high)
+    equal = values >= (high - EQUAL * total)[j]
+    j, times, values = j[equal], times[equal], values[equal]
+    np.minimum.at(first, j, times)
+    there = times <= (first + around)[j]
+    np.maximum.at(top, j[there], values[there])
+    there &= values >= (top - _ROUNDING * total)[j]
+    np.minimum.at(time, j[there], times[there])
+    return high, time
 
 
 def find_sign_changes(breaks: Array, coefficients: Array) -> tuple[Array, ...]:

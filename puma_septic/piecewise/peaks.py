@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from puma_septic.piecewise import matrices
+from puma_septic.piecewise._results import EQUAL
 from puma_septic.validation import Array
 
 __all__ = ["Peaks", "Steps", "bounds", "find_peaks", "hidden", "ranges"]
@@ -30,8 +31,6 @@ Flags = NDArray[np.bool_]
 # 1e-5 of the first; of a series of degree 7 on the least points 2e-13 of the last one.
 _ORDER: Final = 10
 _LEAST_POINTS: Final = 32
-# Magnitudes are equal that differ by less than this part.
-_EQUAL: Final = 1e-12
 # Newton's method within brackets; the value at a maximum is known to the square of the last step.
 _MOST_STEPS: Final = 30
 _LAST_STEP: Final = 1e-7
@@ -228,7 +227,7 @@ def _first_of_largest(found: _Found, group: Index, at_points: Array, bound: Arra
     """Of magnitudes that are equal, to rounding, the first one."""
     owner = group[found.column]
     largest = _largest(found.size, owner, len(at_points))
-    equal = np.flatnonzero(found.size >= (largest * (1 - _EQUAL))[owner])
+    equal = np.flatnonzero(found.size >= (largest * (1 - EQUAL))[owner])
     last_first = equal[np.lexsort((-found.x[equal], -found.column[equal]))]
     chosen = np.empty(len(at_points), dtype=np.int64)
     chosen[owner[last_first]] = last_first

@@ -691,6 +691,14 @@ def test_of_equal_extrema_the_first_is_named() -> None:
     np.testing.assert_allclose(found.t_min, [3 * np.pi / 2, 0.0], rtol=0, atol=1e-6)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_rounding_of_another_processor_names_no_other_peak(sign: float) -> None:
+    """The way back of the paper's cycle has the same torque but for 70 roundings, on whose side the kernels differ."""
+    humps = Piecewise.from_power([0.0, 1.0, 2.0], np.multiply.outer([0.0, 4.0, -4.0], [[1.0], [sign * (1 + 2e-13)]]))
+    found = humps.extrema()
+    assert (found.peak, found.t_peak) == (pytest.approx(1.0, rel=1e-12), pytest.approx(0.5, abs=1e-12))
+
+
 def test_a_plateau_is_reached_at_its_start() -> None:
     ramp_plateau = Piecewise.from_power([0.0, 1.0, 2.0, 3.0], [[[0.0], [2.0], [2.0]], [[2.0], [0.0], [-2.0]]])
     found = ramp_plateau.extrema()

@@ -171,9 +171,11 @@ class _Memory:
         return _fitted(found[0], self.n_parts), _fitted(found[1], self._n_excess)
 
     def found(self, x: Array) -> Found:
-        """What is known of x."""
+        """What is known of x; what is refused keeps no constraint, and so is never the best."""
         parts, excess = self(x)
-        return Found(x=x, value=float(parts.max()), excess=float(excess.max(initial=-np.inf)), n_evaluations=self.count)
+        value = float(parts.max())
+        worst = np.inf if value >= _REFUSED * self.scale else float(excess.max(initial=-np.inf))
+        return Found(x=x, value=value, excess=worst, n_evaluations=self.count)
 
     def slopes(self, x: Array) -> tuple[Array, Array]:
         """Derivatives of parts (n_parts, n) and excesses by central differences, or by the problem's gradient."""

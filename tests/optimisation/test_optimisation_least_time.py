@@ -208,6 +208,19 @@ def test_more_random_least_times_pass_assess_and_are_least(puma: ps.Robot, seed:
     is_least_and_kept(puma, seed)
 
 
+def test_what_is_refused_is_never_the_best() -> None:
+    """Where nothing kept the constraints, a refused trajectory counted as keeping them, and its error was told."""
+
+    def evaluate(x: Array) -> tuple[Array, Array]:
+        if x[0] > 0.5:
+            raise ps.InputError("too far")
+        return 1.0 - x, np.ones(1)
+
+    found = search(Problem(evaluate=evaluate, lower=-np.ones(1), upper=np.ones(1)), np.zeros(1))
+    assert found.x[0] <= 0.5
+    assert found.excess == 1.0
+
+
 def test_a_search_ends_with_the_best_that_it_has_seen() -> None:
     """With free velocities of six joints and effort to keep, a search went on for minutes."""
 

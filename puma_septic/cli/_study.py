@@ -33,7 +33,7 @@ _ACTIONS = ("summarise", "plot")
 
 def add_arguments(parser: ArgumentParser) -> None:
     """What to do, and where."""
-    parser.add_argument("what", nargs="+", metavar="STUDY.yaml | summarise FOLDER | plot FOLDER", help="see above")
+    parser.add_argument("what", nargs="+", metavar="WHAT", help="STUDY.yaml, summarise FOLDER or plot FOLDER")
     parser.add_argument("--out", metavar="DIR", help="the study's folder (default: the file's name without .yaml)")
     parser.add_argument("--workers", type=count, metavar="N", help="processes (default: one for each processor)")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers compute instead")

@@ -6,6 +6,7 @@ import hashlib
 import io
 import os
 import reprlib
+import stat
 from collections.abc import Iterable
 from dataclasses import dataclass
 from os import PathLike
@@ -23,6 +24,7 @@ __all__ = [
     "YamlPlaces",
     "checked_path",
     "decoded",
+    "kind_of",
     "read_bytes",
     "read_text",
     "sha256_of",
@@ -34,6 +36,17 @@ __all__ = [
 _BLOCK: Final = 1 << 20
 
 
+def kind_of(path: Path) -> int:
+    """What lies there, as `stat.S_IFMT` has it, 0 for nothing; an OSError or ValueError where no such path can be.
+
+    `Path.exists` and `is_file` take too long a name and a circle of links for nothing, from Python 3.14 on.
+    """
+    try:
+        return stat.S_IFMT(path.stat().st_mode)
+    except (FileNotFoundError, NotADirectoryError):
+        return 0
+
+
 def read_bytes(path: Path, *, what: str, at_most: int) -> bytes:
     """All bytes of a file, which must exist and have no more than `at_most`.
 
@@ -43,7 +56,8 @@ def read_bytes(path: Path, *, what: str, at_most: int) -> bytes:
         Naming the file, as `what`, and the reason.
     """
     try:
-        reason = "" if path.is_file() else "is not a file" if path.exists() else "does not exist"
+        kind = kind_of(path)
+        reason = "" if stat.S_ISREG(kind) else "is not a file" if kind else "does not exist"
         data = b"" if reason else _start_of(path, at_most + 1)
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         raise InputError(f"{path}: cannot read this {what}: {error}") from error

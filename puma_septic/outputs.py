@@ -19,6 +19,7 @@ from secrets import token_hex
 from typing import Final
 
 from puma_septic.errors import InputError
+from puma_septic.files import kind_of
 
 __all__ = ["file_names", "new_folder", "write_file"]
 
@@ -63,7 +64,7 @@ def write_file(path: str | Path, content: str | bytes, *, overwrite: bool = Fals
         if os.path.lexists(target) and not overwrite:
             raise FileExistsError
         place = target.resolve()
-        if place.exists() and not place.is_file():
+        if kind_of(place) not in (0, stat.S_IFREG):
             raise InputError(f"{target} is not a file, and is not replaced; name another one")
         if not place.parent.is_dir():
             raise InputError(f"{str(target)!r}: cannot be written: {place.parent} is not a folder")
@@ -142,11 +143,12 @@ def file_names(names: Sequence[str]) -> list[str]:
 def _checked(path: Path, *, overwrite: bool) -> Path:
     try:
         target = path.resolve()
-        if target.is_dir() and _is_filled(target) and not overwrite:
+        kind = kind_of(target)
+        if stat.S_ISDIR(kind) and _is_filled(target) and not overwrite:
             raise InputError(
                 f"the folder {path} is not empty; nothing in it is overwritten without --force; or name another one"
             )
-        if target.exists() and not target.is_dir():
+        if kind and not stat.S_ISDIR(kind):
             raise InputError(f"{path} is a file; name a folder that does not exist yet")
         if not target.parent.is_dir():
             raise InputError(f"cannot write the folder {path}: {target.parent} is not a folder")

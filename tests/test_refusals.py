@@ -51,7 +51,7 @@ SKEW = [[1.0, 0.1, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
             lambda: small_move(ROBOT).position.positive_spans(),
             "positive_spans: one component is needed, the function has 6",
         ),
-        (lambda: write_file("a\0b", ""), r"'a\\x00b': cannot be written: embedded null"),
+        (lambda: write_file("a\0b", ""), r"'a\\x00b': cannot be written: .*embedded null"),
         (lambda: sha256_of(Path("none")), "none: cannot be read: .*No such file"),
         (lambda: ps.load_task(f"{300 * 'a'}.yaml"), "cannot read this task file: .*name too long"),
     ],

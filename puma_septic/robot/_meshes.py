@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import stat
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -16,7 +17,7 @@ import numpy as np
 import pinocchio as pin
 
 from puma_septic.errors import ModelError
-from puma_septic.files import checked_path
+from puma_septic.files import checked_path, kind_of
 from puma_septic.robot._urdf_checks import Urdf
 from puma_septic.validation import checked_list
 
@@ -172,8 +173,9 @@ def _manifest_name(folder: Path) -> str | None:
 
 def _unusable(path: Path) -> str:
     """Why a file is no mesh, as far as its name and its first bytes tell."""
-    if not path.is_file():
-        return _why_missing(path)
+    kind = kind_of(path)
+    if not stat.S_ISREG(kind):
+        return "is not a file" if kind else _why_missing(path)
     with path.open("rb") as stream:
         head = stream.read(len(_LFS))
     if not head:
@@ -184,8 +186,6 @@ def _unusable(path: Path) -> str:
 
 
 def _why_missing(path: Path) -> str:
-    if path.exists():
-        return "is not a file"
     if "\\" in path.name:
         return "does not exist; a path in a URDF has / between folders"
     near = (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import stat
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from typing import Literal, NoReturn, final
 from xml.parsers import expat
 
 from puma_septic.errors import ModelError
+from puma_septic.files import kind_of
 
 __all__ = ["Finding", "UrdfText", "read_urdf", "read_utf8"]
 
@@ -153,13 +155,14 @@ def read_urdf(path: Path) -> UrdfText:
 
 def _read(path: Path, what: str, max_bytes: int) -> bytes:
     try:
-        if not path.is_file():
-            reason = "is not a file" if path.exists() else "does not exist"
-            raise ModelError(f"{path}: this {what} {reason}")
+        kind = kind_of(path)
+        if not stat.S_ISREG(kind):
+            raise ModelError(f"{path}: this {what} {'is not a file' if kind else 'does not exist'}")
         with path.open("rb") as stream:
             data = stream.read(max_bytes + 1)
-    except OSError as error:
-        raise ModelError(f"{path}: this {what} cannot be read: {error.strerror}") from error
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        reason = (isinstance(error, OSError) and error.strerror) or error
+        raise ModelError(f"{path}: this {what} cannot be read: {reason}") from error
     if len(data) > max_bytes:
         raise ModelError(f"{path}: this {what} is larger than {max_bytes / 1e6:g} MB")
     return data

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import stat
 import struct
 import sys
 from collections.abc import Iterator, Mapping
@@ -22,7 +23,7 @@ from rosbags.typesys import Stores, TypesysError, get_typestore
 from rosbags.typesys.store import Typestore
 
 from puma_septic.errors import InputError
-from puma_septic.files import sha256_of
+from puma_septic.files import kind_of, sha256_of
 
 if sys.version_info >= (3, 14):  # as rosbags does
     from compression import zstd
@@ -126,9 +127,14 @@ def _types() -> Typestore:
 
 def _files(path: Path) -> list[Path]:
     """The files of a recording, in order of their names; none larger than it may be."""
-    if not path.exists():
+    try:
+        kind = kind_of(path)
+    except (OSError, ValueError) as error:
+        reason = (isinstance(error, OSError) and error.strerror) or error
+        raise InputError(f"{path}: this recording cannot be read: {reason}") from error
+    if not kind:
         raise InputError(f"{path}: this recording does not exist")
-    files = sorted(one for one in path.iterdir() if one.is_file()) if path.is_dir() else [path]
+    files = sorted(one for one in path.iterdir() if one.is_file()) if stat.S_ISDIR(kind) else [path]
     for one in files:
         # rosbags reads the description with a YAML parser that takes 7 s for a megabyte.
         most = _MOST_DESCRIPTION if one.name == "metadata.yaml" else _MOST_BYTES

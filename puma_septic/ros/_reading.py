@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import stat
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
 from os import PathLike
@@ -14,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from puma_septic.errors import InputError
-from puma_septic.files import checked_path, decoded, read_bytes
+from puma_septic.files import checked_path, decoded, kind_of, read_bytes
 from puma_septic.robot import Robot
 from puma_septic.ros._faults import Fault, JointTrajectoryError
 from puma_septic.ros._interpolation import in_robot_order, interpolated
@@ -204,7 +206,9 @@ def is_bag(path: Path) -> bool:
     -------
     bool
     """
-    return path.is_dir() or path.suffix == ".mcap"
+    with suppress(OSError, ValueError):  # no path at all, which whoever reads it tells
+        return path.suffix == ".mcap" or stat.S_ISDIR(kind_of(path))
+    return False
 
 
 def recorded_topics(path: str | PathLike[str]) -> dict[str, str]:

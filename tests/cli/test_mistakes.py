@@ -62,7 +62,7 @@ MISTAKES = [
     (["study", "axis.yaml"], "axis.yaml", "axis 'profil'", "did you mean 'profile'?"),
     (["study", "cell.yaml"], "cell.yaml", "unknown 'points'", "valid: name, task, axes"),
     (["study", "summarise", "full"], "full", "no study is there", "study.json"),
-    (["execute", "cell.yaml", "--controller", "pdi"], "--controller", "'pdi'", "'pd'"),
+    (["execute", "cell.yaml", "--controller", "pdi"], "--controller", "'pdi'", "computed_torque"),
     (["execute", "cell.yaml", "--rate", "7.7"], "rate", "7.7 Hz", "divide it"),
     (["execute", "cell.yaml", "--bandwidth", "0"], "--bandwidth", "0", "not positive"),
     (["limits", "cell.yaml", "--com", "1,2"], "--com", "'1,2'", "X,Y,Z"),
@@ -95,7 +95,7 @@ MISTAKES = [
     (["size", "cell.yaml", "--drives", "nosuch.toml"], "--drives", "nosuch.toml", "does not exist"),
     (["init", "full"], "full", "not empty", "--force"),
     (["paper", "--no-png"], "--no-png", "", "goes with --out"),
-    (["ik", "--sort", "up"], "--sort", "'up'", "'manipulability'"),
+    (["ik", "--sort", "up"], "--sort", "'up'", "manipulability"),
 ]
 
 

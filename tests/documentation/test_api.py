@@ -69,4 +69,4 @@ def test_every_page_is_in_the_contents() -> None:
 def test_every_public_function_says_what_it_returns(name: str) -> None:
     function = getattr(ps, name)
     returns_nothing = inspect.signature(function).return_annotation in (None, "None")
-    assert returns_nothing or "\n    Returns\n    -------\n" in (function.__doc__ or "").replace("\n\n\n", "\n")
+    assert returns_nothing or "\nReturns\n-------\n" in (inspect.getdoc(function) or "")

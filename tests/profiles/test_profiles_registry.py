@@ -34,7 +34,7 @@ def test_a_row_stands_beside_its_function(name: str) -> None:
     assert family.function is getattr(profiles, name)
     module = inspect.getmodule(family.function)
     assert getattr(module, name.upper()) is family.info
-    assert "Returns\n    -------\n    Trajectory" in (family.function.__doc__ or "")
+    assert "Returns\n-------\nTrajectory" in (inspect.getdoc(family.function) or "")
 
 
 def test_options_say_otherwise() -> None:

@@ -373,6 +373,16 @@ def test_overshoot_is_the_excess_beyond_the_hull_of_the_points() -> None:
     np.testing.assert_allclose(wider.via_miss, [0.75, 0.0], rtol=1e-14)
 
 
+@pytest.mark.parametrize(("off", "counts"), [(0.9e-7, False), (1.2e-7, True)])
+def test_a_miss_is_held_against_how_far_the_joint_is_from_zero(off: float, counts: bool) -> None:
+    """At 1e6 rad, 1e-13 of it is rounding, however slow the joint is; beside it, at 1 rad, the same is a miss."""
+    line = ps.Piecewise.from_power([0.0, 1.0], [[[1e6, 1.0]], [[1.0, 1.0]]])
+    move = ps.Trajectory(position=line, points=[[1e6 + off, 1.0 + off], [1e6 + 1 - off, 2.0 - off]], times=[0.0, 1.0])
+    for found in (move.via_miss, move.overshoot):
+        # The clock of a double at 1e6 has steps of 1.2e-10.
+        assert found == pytest.approx([off * counts, off], abs=1.3e-10)
+
+
 @given(seed=seeds)
 @hypothesis_settings(max_examples=20)
 def test_what_visits_its_points_at_rest_misses_none_and_overshoots_none(seed: int) -> None:

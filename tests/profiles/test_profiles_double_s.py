@@ -148,6 +148,31 @@ def test_constant_velocity_is_kept_where_it_just_fits() -> None:
     assert move.extrema(2).peak[1] < 1e-9
 
 
+@pytest.mark.parametrize(
+    ("seconds", "is_possible"), [(2.7, True), (2.8, False), (3.7, False), (3.8, True), (20.0, True)]
+)
+def test_between_slow_and_fast_ways_there_may_be_no_duration(seconds: float, is_possible: bool) -> None:
+    """By hand: from 1 to 1 rad/s with a jerk of 1 rad/s^3, both ramps by way of a cruise at c take 4 sqrt(1 - c) s and
+    2 (1 + c) sqrt(1 - c) rad, at most 2.18. Of 2.1 rad they leave a way for c below 0.1181 and above 0.5275: so it
+    takes 3.756 s or longer, or 2.750 s or less, and nothing between, whatever another joint takes.
+    """
+    other = seconds - 2e-3  # at 1 rad/s, but for v / a + a / j of its limits
+    limits = {"max_velocity": [1.5, 1.0], "max_acceleration": [2.0, 1e3], "max_jerk": [1.0, 1e6]}
+    moving = {"start_velocity": [1.0, 0.0], "end_velocity": [1.0, 0.0]}
+    if not is_possible:
+        with pytest.raises(
+            InputError, match=rf"joint 1, .* slowed down to the {seconds} s that joint 2 takes: .* 2\.1 "
+        ):
+            double_s([[0.0, 0.0], [2.1, other]], **limits, **moving)
+        return
+    move = double_s([[0.0, 0.0], [2.1, other]], **limits, **moving)
+    assert move.duration == pytest.approx(seconds, rel=1e-12)
+    assert move([0.0, seconds], 1)[:, 0] == pytest.approx([1.0, 1.0], rel=1e-9)
+    assert move(seconds)[0] == pytest.approx(2.1, rel=1e-12)
+    assert move.extrema(3).peak[0] <= 1.0 + 1e-9
+    assert move.extrema(1).min[0] > 0
+
+
 def test_infeasible_requests_are_explained() -> None:
     points = [[0.0, 0.0], [0.1, 2.0]]
     with pytest.raises(InputError, match=r"joint 'elbow', segment 1: start_velocity of 3 exceeds max_velocity = 2"):

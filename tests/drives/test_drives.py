@@ -90,7 +90,32 @@ def test_continuous_torque_follows_the_s1_curve_and_ends_with_it() -> None:
     assert np.isnan(ps.Motor().continuous_torque_at(0.0))
 
 
+def test_an_efficiency_with_the_no_load_torque_in_it_leaves_the_rest_for_the_load() -> None:
+    """1 / 0.5 - 10 * 0.1 / 1 = 1: all that is lost at 1 N m is lost without load, whichever way it turns."""
+    for ratio in (10.0, -10.0):
+        assert ps.Gearbox(**MEASURED | {"ratio": ratio, "no_load_torque": 0.1}).load_efficiency == 1.0  # type: ignore[arg-type]
+        assert ps.Gearbox(**MEASURED | {"ratio": ratio, "no_load_torque": 0.0}).load_efficiency == 0.5  # type: ignore[arg-type]
+
+
+def test_wind_up_goes_with_the_torque_range_by_range() -> None:
+    gearbox = ps.Gearbox(stiffness=[1.0, 2.0, 4.0], stiffness_torques=[1.0, 3.0])
+    assert [gearbox.torsion(torque) for torque in (0.5, 2.0, 7.0, -7.0)] == [0.5, 1.5, 3.0, -3.0]
+    assert ps.Gearbox(stiffness=[2.0]).torsion(-3.0) == -1.5
+
+
+def test_peaks_of_a_planetary_gear_count_once_up_to_a_thousand_cycles_an_hour() -> None:
+    planetary = ps.Gearbox(kind="planetary")
+    assert planetary.impact_factor(3.6) == 1.0
+    assert np.isnan(planetary.impact_factor(3.5))
+    rising = ps.Gearbox(kind="planetary", impact_curve=[[600.0, 1.5], [1200.0, 2.0]])
+    assert [rising.impact_factor(3600 / rate) for rate in (60, 900, 1200)] == pytest.approx([1.5, 1.75, 2.0])
+    assert np.isnan(rising.impact_factor(3600 / 1300))
+
+
 # ---- what no part is
+
+CURVE = [[0.0, 1.0], [9.0, 0.5]]
+MEASURED = {"ratio": 10.0, "efficiency": 0.5, "efficiency_torque": 1.0}
 
 
 @pytest.mark.parametrize(
@@ -108,6 +133,20 @@ def test_continuous_torque_follows_the_s1_curve_and_ends_with_it() -> None:
         ({"thermal_time_constants": [1.0]}, "0 thermal_resistances and 1 thermal_time_constants"),
         ({"thermal_resistances": [1, 2, 3]}, "expected one or two positive numbers"),
         ({"max_winding_celsius": -300.0}, "max_winding_celsius = -300 degrees Celsius must be greater than -273.15"),
+        ({"thermal_resistances": [1, 0]}, r"thermal_resistances = \[1.0, 0.0\] K/W: expected one or two positive"),
+        ({"thermal_resistances": [1, 2], "thermal_time_constants": [3]}, "2 thermal_resistances and 1 thermal_time"),
+        ({"peak_curve": [[0, 0], [20, 1]]}, r"peak_curve: torques \[0.0, 1.0\] N m must be >= 0, the first one > 0"),
+        ({"peak_curve": CURVE, "peak_curves": [(48, CURVE)]}, r"give peak_curve \(any bus voltage\) or peak_curves"),
+        ({"peak_curves": [(0, CURVE)]}, "bus voltage of peak_curves = 0 V must be greater than 0"),
+        ({"continuous_torque": 1.0, "continuous_curves": [(48, CURVE)]}, "continuous_torque .* or continuous_curves"),
+        ({"altitude_curve": [[-1, 1], [9, 0.9]]}, r"altitude_curve: \[-1.0, 9.0\] m must increase strictly from 0 m"),
+        ({"altitude_curve": [[9, 1], [9, 0.9]]}, r"altitude_curve: \[9.0, 9.0\] m must increase strictly"),
+        ({"altitude_curve": [[0, 1.01], [9, 0.9]]}, r"shares \[1.01, 0.9\] must be above 0 and at most 1"),
+        ({"altitude_curve": [[0, 1], [9, 0]]}, r"shares \[1.0, 0.0\] must be above 0"),
+        ({"copper_coefficient": -0.1}, "copper_coefficient = -0.1 1/K must be at least 0"),
+        ({"geared_share": 1.1}, "geared_share = 1.1 must be at most 1"),
+        ({"winding": "delta"}, "winding 'delta'; valid: 'line-line', 'phase'"),
+        ({"source": 5}, "source: expected text, got 5"),
     ],
 )  # fmt: skip
 def test_a_motor_that_cannot_be_is_refused(values: dict, message: str) -> None:
@@ -124,6 +163,29 @@ def test_a_motor_that_cannot_be_is_refused(values: dict, message: str) -> None:
         ({"ratio": 10.0, "efficiency": 0.0}, "efficiency = 0 must be greater than 0"),
         ({"ratio": 10.0, "backward_efficiency": -0.1}, "backward_efficiency = -0.1 must be at least 0"),
         ({"ratio": 10.0, "max_average_torque": -5.0}, "max_average_torque = -5 N m must be greater than 0"),
+        ({"stiffness": [0.0]}, r"stiffness = \[0.0\] N m/rad: expected positive numbers"),
+        (
+            {"stiffness": [1, 2, 3], "stiffness_torques": [-1, 2]},
+            r"stiffness_torques = \[-1.0, 2.0\] N m: expected",
+        ),
+        ({"stiffness": [1, 2]}, "expected one stiffness, or K1, K2, K3 with rising torques T1, T2"),
+        ({"stiffness": [1], "stiffness_torques": [1, 2]}, "expected one stiffness, or K1"),
+        ({"stiffness": [1, 2, 3], "stiffness_torques": [2, 2]}, "expected one stiffness, or K1"),
+        ({"impact_curve": [[9, 1], [9, 2]]}, r"impact_curve: rows \[\[9.0, 1.0\], \[9.0, 2.0\]\] must rise"),
+        ({"impact_curve": [[9, 2], [10, 1]]}, r"impact_curve: rows .* must rise"),
+        ({"impact_curve": [[-1, 1], [9, 2]]}, r"impact_curve: the first row \[-1.0, 1.0\] must have 0 cycles or more"),
+        ({"impact_curve": [[0, 0.9], [9, 2]]}, r"impact_curve: the first row \[0.0, 0.9\] .* a factor >= 1"),
+        ({"efficiency_map": [[0, 1, 0.5]]}, "at least two torques, got 1 rows for 1 speeds and 1 torques"),
+        ({"efficiency_map": [[0, 1, 0.5], [0, 2, 0.5], [9, 1, 0.5]]}, "got 3 rows for 2 speeds and 2 torques"),
+        ({"efficiency_map": [[0, 1, 0.5], [0, 2, 0.5], [9, 1, 0.5], [9, 1, 0.6]]}, "got 4 rows for 2 speeds and 2 tor"),
+        ({"efficiency_map": [[-1, 1, 0.5], [-1, 2, 0.5]]}, "speeds must be >= 0, torques above 0"),
+        ({"efficiency_map": [[0, 0, 0.5], [0, 2, 0.5]]}, "speeds must be >= 0, torques above 0"),
+        ({"efficiency_map": [[0, 1, 0.0], [0, 2, 0.5]]}, "efficiencies above 0 and at most 1"),
+        ({"efficiency_map": [[0, 1, 0.5], [0, 2, 1.01]]}, "efficiencies above 0 and at most 1"),
+        # 1 / 0.5 - 10 * 0.1 / 1 = 1: all that is lost is lost without load; more cannot be.
+        (MEASURED | {"no_load_torque": 0.11}, "no_load_torque = 0.11 N m is more than all .* 0.5 at 1 N m loses"),
+        (MEASURED, "tells efficiency and no_load_torque apart: it needs both, and the ratio"),
+        (MEASURED | {"no_load_torque": 0.1, "ratio": np.nan}, "it needs both, and the ratio"),
     ],
 )
 def test_a_gearbox_that_cannot_be_is_refused(values: dict, message: str) -> None:

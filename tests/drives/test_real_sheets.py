@@ -47,6 +47,40 @@ def test_any_unit_that_is_printed(printed: str, target: str, size: float) -> Non
     assert si_size(printed, target) == pytest.approx(size, rel=1e-8)
 
 
+@pytest.mark.parametrize(
+    ("printed", "target"),
+    [
+        ("kg m/s^2", "N"), ("N m", "J"), ("J/s", "W"), ("W/A", "V"), ("V/A", "ohm"), ("V s/A", "H"), ("C", "K"),
+        ("N m/A", "V s"), ("kg m^2/s^3", "W"), ("1000 g", "kg"), ("rad s/s", "rad"), ("100 %", ""),
+    ],
+)  # fmt: skip
+def test_derived_units_are_products_of_the_others(printed: str, target: str) -> None:
+    """SI brochure, 9th edition, table 4. A wrong power in the row of a unit is no fault among its own multiples."""
+    assert si_size(printed, target) == pytest.approx(1.0, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("target", "sizes"),
+    [
+        ("kg", {"g": 1e-3, "lb": 0.45359237, "lbs": 0.45359237, "lbm": 0.45359237, "oz": 0.45359237 / 16, "mg": 1e-6}),
+        ("m", {"in": 0.0254, "ft": 0.3048, "nm": 1e-9, "um": 1e-6, "mm": 1e-3, "cm": 1e-2, "dm": 0.1, "km": 1e3}),
+        ("s", {"sec": 1.0, "min": 60.0, "h": 3600.0, "ms": 1e-3}),
+        ("N", {"kgf": 9.80665, "kp": 9.80665, "gf": 9.80665e-3, "lbf": 4.4482216152605, "ozf": 0.27801385095378125}),
+        ("W", {"kW": 1e3, "MW": 1e6, "hp": 745.69987158}),
+        ("rad", {"deg": pi / 180, "arcmin": pi / 10800, "arcsec": pi / 648000, "rev": TURN, "turn": TURN}),
+        ("rad/s", {"rad/s": 1.0, "deg/s": pi / 180, "arcmin/s": pi / 10800, "arcsec/s": pi / 648000, "mrad/s": 1e-3}),
+        ("rad/s", {"r/s": TURN, "U/s": TURN, "rev/s": TURN, "turn/s": TURN, "1/s": TURN, "rpm": TURN / 60}),
+        ("A", {"mA": 1e-3, "kA": 1e3}),
+        ("V", {"mV": 1e-3, "kV": 1e3}),
+        ("H", {"mH": 1e-3, "nH": 1e-9}),
+        ("J", {"kJ": 1e3, "mJ": 1e-3}),
+    ],
+)  # fmt: skip
+def test_every_unit_by_its_definition(target: str, sizes: dict[str, float]) -> None:
+    """NIST SP 811, appendix B; a horsepower is 550 foot-pounds of force a second."""
+    assert {printed: si_size(printed, target) for printed in sizes} == pytest.approx(sizes, rel=1e-8)
+
+
 @pytest.mark.parametrize(("printed", "target"), [("furlong", "m"), ("Nm", "N m/A"), ("K", "degC"), ("kg", "kg m^2")])
 def test_a_unit_of_something_else_is_refused(printed: str, target: str) -> None:
     with pytest.raises(ValueError, match=f"unknown unit '{printed}'; expected one of {re.escape(target)}"):

@@ -44,7 +44,7 @@ ROOMS: Final = {
     "motion": ("motion.py", "tests/test_motion.py tests/test_truth.py tests/assessment"),
     "limit_check": ("limit_check.py", "tests/test_limit_check.py tests/test_quantities.py tests/assessment"),
     "assessment": ("assessment", "tests/assessment tests/cycle tests/test_truth.py"),
-    "robot": ("robot", "tests/robot"),
+    "robot": ("robot", "tests/drives/test_drives.py tests/test_reprs.py tests/robot"),
     "drives": ("drives", "tests/drives tests/sizing"),
     "sizing": ("sizing", "tests/sizing"),
 }

@@ -12,6 +12,7 @@ from helpers.places import KINOVA, PANDA, UR5
 from helpers.urdf_texts import ARM, load, replaced
 
 import puma_septic as ps
+from puma_septic.quantities import MAGNITUDES
 
 FINGERS = {"panda_finger_joint1": 0.04, "panda_finger_joint2": 0.04}
 REST = [0.0, 0.0]
@@ -167,6 +168,54 @@ def test_only_values_of_our_own_kinds_are_taken() -> None:
     for wrong in ("fast", True):
         with pytest.raises(ps.InputError, match="velocity: expected numbers"):
             robot.with_limits(velocity=wrong)  # type: ignore[arg-type]
+
+
+def test_what_is_given_by_joint_is_given_for_each(tmp_path: Path) -> None:
+    robot, drive = load(tmp_path), ps.Actuator(gear_ratio=50.0)
+    for n in (1, 3):
+        with pytest.raises(ps.InputError, match=f"actuators: {n} given for 2 joints"):
+            robot.with_actuators((drive,) * n)
+        limits = ps.Limits(position=np.full((n, 2), np.nan), **dict.fromkeys(MAGNITUDES, np.full(n, 1.0)))
+        with pytest.raises(ps.InputError, match=f"limits: given for {n} joints, the arm has 2"):
+            robot.with_limits(limits)
+
+
+@pytest.mark.parametrize(
+    ("moments", "is_a_body"),
+    [
+        ([1.0, 1.0, 2.0], True),  # a thin plate: the largest is the sum of the other two
+        ([1.0, 1.0, 2.0 + 1e-9], False),
+        ([0.0, 1.0, 1.0], True),  # a thin rod
+        ([-1e-9, 1.0, 1.0], False),
+        ([0.0, 0.0, 0.0], True),
+        ([0.0, 0.0, 1e-9], False),
+    ],
+)
+def test_a_payload_s_inertia_is_that_of_a_body(moments: list[float], is_a_body: bool) -> None:
+    """Principal moments are integrals of sums of squares: none is negative, none above the sum of the other two."""
+    if is_a_body:
+        assert ps.Payload(mass=1.0, inertia=np.diag(moments)).inertia.diagonal().tolist() == moments
+    else:
+        with pytest.raises(ps.InputError, match=r"inertia: principal moments .* are not those of a body"):
+            ps.Payload(mass=1.0, inertia=np.diag(moments))
+
+
+def test_a_payload_s_inertia_is_symmetric() -> None:
+    skew = np.eye(3)
+    skew[0, 1] = 1e-9
+    with pytest.raises(ps.InputError, match="inertia: a payload's inertia matrix must be symmetric"):
+        ps.Payload(mass=1.0, inertia=skew)
+
+
+def test_parts_of_a_robot_are_one_line_each(tmp_path: Path) -> None:
+    assert repr(ps.Payload(2.5)).startswith("<Payload: mass 2.5 kg, com [0, 0, 0] m, inertia [[0, 0, 0], ")
+    wrench = ps.Wrench(force=[1, 2, 3], axes="world")
+    assert repr(wrench) == "<Wrench: force [1, 2, 3] N, torque [0, 0, 0] N m, axes world>"
+    assert repr(ps.Actuator(gear_ratio=50.0, source="sheet")) == "<Actuator: gear ratio 50, source sheet>"
+    assert repr(load(tmp_path).limits).startswith(
+        "<Limits: position [[-2, 2], [-2.5, 2.5]] rad, velocity [3, 4] rad/s, "
+    )
+    assert "<td>2.5 kg</td>" in ps.Payload(2.5)._repr_html_()
 
 
 def test_a_robot_of_one_joint_has_a_document(tmp_path: Path) -> None:

@@ -303,6 +303,29 @@ def test_everything_wrong_is_told_at_once(tmp_path: Path) -> None:
         assert part in message
 
 
+@pytest.mark.parametrize("faults", [20, 25])
+def test_of_many_faults_twenty_are_told(tmp_path: Path, faults: int) -> None:
+    odd = "".join(f'<lnik name="l{k}"/>' for k in range(faults))
+    with pytest.raises(ps.ModelError) as caught:
+        load(tmp_path, replaced('<link name="tip"/>', '<link name="tip"/>' + odd))
+    head, *told = str(caught.value).splitlines()
+    assert head.endswith(f"arm.urdf: {faults} faults:")
+    assert [line.split()[0] for line in told[:20]] == [f"({k})" for k in range(1, 21)]
+    assert told[20:] == (["  and 5 more"] if faults == 25 else [])
+
+
+@pytest.mark.parametrize(("deceleration", "used"), [("5", None), ("4", "4"), ("6", "5")])
+def test_of_acceleration_and_deceleration_the_smaller_limits(
+    tmp_path: Path, deceleration: str, used: str | None
+) -> None:
+    limits = f'{SHOULDER_LIMIT} acceleration="5" deceleration="{deceleration}"'
+    robot = load(tmp_path, replaced(SHOULDER_LIMIT, limits))
+    assert robot.limits.acceleration[0] == float(used or 5)
+    told = [note for note in robot.notes if "deceleration" in note]
+    note = f"joint 'shoulder': of acceleration and deceleration the smaller is its limit, {used}"
+    assert told == ([] if used is None else [note])
+
+
 def test_swapped_limits_are_refused_unless_the_actuator_file_has_them(tmp_path: Path) -> None:
     """load_robot failed before the file that repairs it was read; a locked joint has no limits to break."""
     text = replaced(SHOULDER_LIMIT, 'lower="2" upper="-2" effort="50" velocity="3"')
@@ -395,6 +418,14 @@ def test_a_quaternion_turns_as_its_angles_do(tmp_path: Path) -> None:
     angles = load(tmp_path, replaced('"0 0 0.5"', f'"0 0 0.5" rpy="{np.pi / 2} 0 0"'))
     q = [0.3, 0.4]
     assert ps.forward_kinematics(turned, q) == pytest.approx(ps.forward_kinematics(angles, q), abs=1e-15)
+    with pytest.raises(ps.ModelError, match=r"<origin> of joint 'shoulder': quat_xyzw='0 0 0 2': its norm is 2"):
+        load(tmp_path, replaced('"0 0 0.5"', '"0 0 0.5" quat_xyzw="0 0 0 2"'))
+
+
+def test_an_encoding_that_nobody_knows_is_named(tmp_path: Path) -> None:
+    text = ARM.replace("?>", ' encoding="klingon"?>', 1)
+    with pytest.raises(ps.ModelError, match=r"line 1: this URDF's encoding is not known: .*klingon; save it as UTF-8"):
+        load(tmp_path, text)
 
 
 @pytest.mark.parametrize("encoding", ["ISO-8859-1", "UTF-16"])

@@ -108,8 +108,8 @@ class Payload:
         object.__setattr__(self, "com", checked_array("com", self.com, (3,), unit="m"))
         inertia = checked_array("inertia", self.inertia, (3, 3), unit="kg m^2")
         moments = np.linalg.eigvalsh(inertia)
-        slack = 1e-12 * max(1e-300, float(np.abs(moments).max()))
-        if not np.allclose(inertia, inertia.T, rtol=1e-12, atol=slack):
+        slack = 1e-12 * float(np.abs(moments).max())
+        if (np.abs(inertia - inertia.T) > slack).any():
             raise InputError("inertia: a payload's inertia matrix must be symmetric")
         if moments[0] < -slack or moments[0] + moments[1] < moments[2] - slack:
             raise InputError(

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.arms import DRIVE, pendulum
 from helpers.urdf_texts import ARM, DRIVES, load
 
 import puma_septic as ps
@@ -78,6 +79,27 @@ def test_friction_steps_are_left_out_and_told(puma: ps.Robot) -> None:
     # 62.6 * 0.395 = 24.7 N m where it starts.
     assert "the torque rate is that of the torque without Coulomb friction" in remark
     assert "by up to (N m): joint1 24.7" in remark
+
+
+@pytest.mark.parametrize(
+    ("powers", "rests", "step"),
+    [
+        ([0.0, 2.0, -2.0], False, "3"),  # reverses half-way: all of the band
+        ([0.0, 1.0, -0.25], False, None),  # an excerpt that never stops but at its end, and starts moving
+        ([0.0, 1.0, -0.25], True, "2"),
+        ([0.0, -1.0, 0.25], True, "1"),
+    ],
+)
+def test_what_friction_steps_by(tmp_path: Path, powers: list[float], rests: bool, step: str | None) -> None:
+    """2 N m forwards and 1 N m backwards at the joint; of an excerpt nothing is known beyond its ends."""
+    drives = DRIVE.format(name="swing", ratio=100.0, rotor=0.0, viscous=0.0, positive=0.02, negative=-0.01)
+    position = ps.Piecewise.from_power([0.0, 2.0], np.reshape(powers, (3, 1, 1)))
+    move = ps.Trajectory(
+        position=position, points=position([0.0, 2.0]), times=[0.0, 2.0], rest_before=rests, rest_after=rests
+    )
+    robot = pendulum(tmp_path, drives=drives).with_limits(torque_rate=1e3)
+    told = [remark for remark in ps.assess(robot, move).remarks if "Coulomb friction, which steps" in remark]
+    assert [remark.rpartition(": ")[2] for remark in told] == ([] if step is None else [f"swing {step}"])
 
 
 def test_where_no_limit_is_known_nothing_is_said(puma: ps.Robot) -> None:

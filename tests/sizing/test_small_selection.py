@@ -1,0 +1,150 @@
+"""Whole selections of a small arm, quick enough to be repeated one pair at a time."""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import product
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import pytest
+from helpers.urdf_texts import load
+
+import puma_septic as ps
+from puma_septic.sizing import LoadCase
+
+JOINTS = ("shoulder", "elbow")
+
+
+@cache
+def arm() -> ps.Robot:
+    with TemporaryDirectory() as folder:
+        return load(Path(folder), tool="tip")
+
+
+def moved(robot: ps.Robot, duration: float) -> ps.Cycle:
+    """From hanging to level and back."""
+    out = ps.quintic_segments([[0.2, 0.1], [1.4, 0.3]], [0.0, duration], joint_names=JOINTS)
+    return ps.cycle.with_return(ps.compute_motion(robot, out))
+
+
+@cache
+def cases() -> tuple[LoadCase, ...]:
+    """One governs by its speed, one by its load; a stop is rare."""
+    heavy = arm().with_payload(ps.Payload(mass=5.0))
+    return (
+        LoadCase(name="quick", cycle=moved(arm(), 1.0), share=0.8),
+        LoadCase(name="heavy", cycle=moved(heavy, 2.0), share=0.2),
+        LoadCase(name="stop", cycle=moved(heavy, 1.5), share=0.0, is_rare=True),
+    )
+
+
+@cache
+def catalogue() -> ps.Catalogue:
+    motors = [
+        ps.Motor(
+            name=f"M{k}", rotor_inertia=2e-5 * size**2, continuous_torque=0.15 * size, peak_torque=0.45 * size,
+            max_speed=900.0 / size**0.5, mass=0.5 * size, cost=100.0 + size, max_inertia_ratio=20.0,
+        )
+        for k, size in enumerate((1.0, 3.0, 6.0, 12.0))
+    ]  # fmt: skip
+    gearboxes = [
+        ps.Gearbox(
+            name=f"G{ratio:g}", ratio=ratio, kind="strain wave", efficiency=0.8, inertia=1e-5, mass=0.01 * ratio,
+            max_average_torque=torque, max_repeated_torque=2 * torque, max_momentary_torque=4 * torque, cost=ratio,
+            rated_torque=torque, rated_speed=200.0, rated_life_hours=7000.0, life_basis="L10",
+        )
+        for ratio, torque in ((30.0, 60.0), (50.0, 90.0), (100.0, 45.0), (160.0, 80.0))
+    ]  # fmt: skip
+    return ps.Catalogue(motors=motors, gearboxes=gearboxes)
+
+
+@cache
+def selection() -> ps.Selection:
+    return ps.size(cases(), catalogue=catalogue(), keep=None)
+
+
+def test_of_several_load_cases_each_pair_is_judged_as_alone() -> None:
+    """The verdict of every pair, the worst of its checks and the case that this is from."""
+    verdicts = set()
+    for k, (motor, gearbox) in enumerate(product(catalogue().motors, catalogue().gearboxes)):
+        alone = ps.size(cases(), drivetrains=[ps.Drivetrain(motor=motor, gearbox=gearbox)] * 2)
+        for name in JOINTS:
+            joint = selection().joint(name)
+            checks = [check for check in alone.checks if check.joint == name and check.kind != "rule of thumb"]
+            broken = {check.quantity for check in checks if check.is_violated}
+            verdicts.add(bool(broken))
+            assert joint.is_feasible[k] == (not broken)
+            found = [c for c in joint.kept if (c.motor, c.gearbox) == (motor.name, gearbox.name)]
+            if broken:
+                assert found == []
+                assert any(joint.reasons[k].startswith(quantity) for quantity in broken)
+                assert f"{motor.name} with {gearbox.name} is undersized; worst violation: " in joint.why(
+                    motor.name, gearbox.name
+                )
+            else:
+                (candidate,) = found
+                worst = max(check.utilisation for check in checks)
+                assert candidate.governing.utilisation == pytest.approx(worst, rel=1e-9)
+                assert {(c.quantity, c.case) for c in candidate.checks} == {
+                    (c.quantity, c.case) for c in alone.checks if c.joint == name
+                }
+    assert verdicts == {True, False}
+
+
+def test_the_lightest_is_chosen_and_the_front_is_what_none_beats() -> None:
+    for joint in selection().joints:
+        masses = [c.mass for c in joint.kept]
+        assert masses == sorted(masses)
+        assert joint.best is joint.kept[0]
+        points = np.array([[c.mass, c.cost, c.stress] for c in joint.kept])
+        best = {
+            (c.motor, c.gearbox)
+            for c, point in zip(joint.kept, points, strict=True)
+            if not ((points <= point).all(axis=1) & (points < point).any(axis=1)).any()
+        }
+        assert {(c.motor, c.gearbox) for c in joint.front()} == best
+
+
+@pytest.mark.parametrize("rank", ["mass", "cost", "margin"])
+def test_one_size_for_both_joints_is_the_best_that_is_strong_enough_at_both(rank: str) -> None:
+    chosen = ps.size(cases(), catalogue=catalogue(), same=[JOINTS], rank=rank)
+    own = [{(c.motor, c.gearbox): c for c in joint.kept} for joint in selection().joints]
+    both = [(own[0][pair], own[1][pair]) for pair in own[0] if pair in own[1]]
+    values = {
+        "mass": lambda pair: (pair[0].mass, max(one.stress for one in pair)),
+        "cost": lambda pair: (pair[0].cost, max(one.stress for one in pair)),
+        "margin": lambda pair: (max(one.stress for one in pair),),
+    }
+    first, _ = min(both, key=values[rank])
+    assert [(one.best.motor, one.best.gearbox) for one in chosen.joints] == [(first.motor, first.gearbox)] * 2
+    assert f"one size for shoulder, elbow: {first.motor} with {first.gearbox}" in chosen.notes
+
+
+def test_where_no_pair_is_strong_enough_at_all_joints_each_has_its_own() -> None:
+    small = ps.Catalogue(motors=catalogue().motors[:1], gearboxes=catalogue().gearboxes)
+    chosen = ps.size(cases(), catalogue=small, same=[JOINTS])
+    assert "no pair is strong enough at all of shoulder, elbow: each has its own" in chosen.notes
+    with pytest.raises(ps.InputError, match="unknown joint 'wrist'; valid: 'shoulder', 'elbow'"):
+        ps.size(cases(), catalogue=small, same=[["wrist", "elbow"]])
+
+
+@pytest.mark.parametrize(("placement", "told"), [("before", "before"), ("at", "moved by")])
+def test_the_elbow_s_drive_loads_the_shoulder_with_its_mass(placement: str, told: str) -> None:
+    """Its mass stands on the elbow's axis, 0.4 m from the shoulder's; nothing carries the shoulder's own."""
+    found = ps.size(cases(), catalogue=catalogue(), masses=placement)
+    elbow = found.joint("elbow").best
+    assert elbow is not None
+    level, rest = np.array([np.pi / 2, 0.3]), np.zeros(2)
+    loaded = found.cycle.steps[0].robot
+    more = ps.inverse_dynamics(loaded, level, rest, rest) - ps.inverse_dynamics(arm(), level, rest, rest)
+    assert more == pytest.approx([-9.81 * 0.4 * elbow.mass, 0.0], abs=1e-12)
+    shoulder = found.joint("shoulder").best
+    assert shoulder is not None
+    assert found.notes[0] == f"masses of the chosen drives on the link {told} each joint"
+    assert found.notes[-1] == f"masses added: {shoulder.mass:g}, {elbow.mass:g} kg"
+    # What the arm includes of its drives is taken off first.
+    light = ps.size(cases(), catalogue=catalogue(), masses=placement, own_masses=[1.0, 1.0])
+    added = [one.best.mass - 1.0 for one in light.joints]
+    assert light.notes[-1] == f"masses added: {added[0]:g}, {added[1]:g} kg"

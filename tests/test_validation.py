@@ -71,7 +71,7 @@ def test_an_error_is_a_value_error_too() -> None:
 
 
 def test_a_long_value_is_not_printed_in_full() -> None:
-    with pytest.raises(ps.InputError) as caught:
+    with pytest.raises(ps.InputError, match=r"^q: expected numbers of shape \(n,\), got \['x', .*\.\.\.\]$") as caught:
         checked_array("q", ["x"] * 10_000, (None,))
     assert len(str(caught.value)) < 300
 
@@ -190,7 +190,8 @@ def test_what_is_no_array_of_numbers_is_refused_everywhere(name: str, kind: str)
     """
     if kind == "nothing" and name in ("conditions", "limits"):
         pytest.skip("None is unknown there")
-    with pytest.raises(ps.InputError):
+    read_as_nan = r"= nan.* is (not a finite number|outside)|shape \(1,\) is not \(|is unknown for all joints"
+    with pytest.raises(ps.InputError, match=read_as_nan if kind == "nothing" else r"expected numbers.*, got|are masked"):
         TAKES_AN_ARRAY[name](NO_NUMBERS[kind])
 
 

@@ -191,7 +191,8 @@ def test_what_is_no_array_of_numbers_is_refused_everywhere(name: str, kind: str)
     if kind == "nothing" and name in ("conditions", "limits"):
         pytest.skip("None is unknown there")
     read_as_nan = r"= nan.* is (not a finite number|outside)|shape \(1,\) is not \(|is unknown for all joints"
-    with pytest.raises(ps.InputError, match=read_as_nan if kind == "nothing" else r"expected numbers.*, got|are masked"):
+    refused = read_as_nan if kind == "nothing" else r"expected numbers.*, got|are masked"
+    with pytest.raises(ps.InputError, match=refused):
         TAKES_AN_ARRAY[name](NO_NUMBERS[kind])
 
 

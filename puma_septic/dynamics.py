@@ -20,7 +20,7 @@ from puma_septic.errors import InputError, ModelError
 from puma_septic.friction import friction_terms, loss
 from puma_septic.kinematics import checked_joint_values, forward_kinematics, jacobian
 from puma_septic.robot import Robot, Wrench, inertia_matrices
-from puma_septic.validation import Array, checked_kind, n_dimensions
+from puma_septic.validation import Array, checked_flag, checked_kind, n_dimensions
 
 __all__ = [
     "TERMS",
@@ -124,9 +124,10 @@ def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike, *, 
     [-0.0, 31.6399, 6.0351, 0.0, 0.0283, 0.0]
     """
     single, (q_, v_, a_) = _samples(robot, q, v, a)
+    with_friction = checked_flag("friction", friction)
     check_inertia(robot)
     tau = rigid_torque(robot, q_, v_, a_)
-    if friction:
+    if with_friction:
         terms = _friction(robot, v_, a_, tau)
         tau = tau + terms["viscous"] + terms["coulomb"]
     return tau[0] if single else tau
@@ -229,7 +230,7 @@ def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike, *
     """
     check_inertia(robot)
     is_single, (q, v, tau) = _samples(robot, q, v, tau, names=("q", "v", "tau"))
-    if friction:
+    if checked_flag("friction", friction):
         if robot.has_losses:
             raise InputError(
                 f"forward dynamics knows no gears that lose a part of their load, as robot {robot.name!r} has; leave"

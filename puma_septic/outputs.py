@@ -20,6 +20,7 @@ from typing import Final
 
 from puma_septic.errors import InputError
 from puma_septic.files import kind_of
+from puma_septic.validation import checked_flag
 
 __all__ = ["file_names", "new_folder", "write_file"]
 
@@ -60,6 +61,7 @@ def write_file(path: str | Path, content: str | bytes, *, overwrite: bool = Fals
     'once'
     """
     target = Path(path)
+    checked_flag("overwrite", overwrite)
     try:
         if os.path.lexists(target) and not overwrite:
             raise FileExistsError
@@ -101,7 +103,7 @@ def new_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
     InputError
         If the folder has content, which is overwritten only on request, or cannot be written.
     """
-    target = _checked(Path(path), overwrite=overwrite)
+    target = _checked(Path(path), overwrite=checked_flag("overwrite", overwrite))
     exists = target.is_dir()
     try:
         with _unfinished(_workshop(target), is_folder=True) as partial:

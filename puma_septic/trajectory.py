@@ -15,7 +15,7 @@ from puma_septic.piecewise import Extrema, Jumps, Piecewise
 from puma_septic.piecewise.directions import STILL, find_directions
 from puma_septic.piecewise.matrices import end_derivatives
 from puma_septic.quantities import MOTION
-from puma_septic.validation import Array, checked_array, checked_times, frozen, n_dimensions, read_only
+from puma_septic.validation import Array, checked_array, checked_each, checked_flag, checked_times, frozen, read_only
 
 __all__ = ["Trajectory"]
 
@@ -36,10 +36,7 @@ _RESAMPLED = 8 * np.finfo(np.float64).eps
 def _per_joint_resolution(value: ArrayLike | float, n: int) -> Array:
     if isinstance(value, float) and value == 0.0:  # of every planned motion
         return read_only(np.zeros(n))
-    resolution = checked_array("resolution", value, () if n_dimensions(value) == 0 else (n,))
-    if not (resolution >= 0).all():
-        raise InputError(f"resolution = {resolution.min():g}: must be at least 0")
-    return read_only(np.zeros(n) + resolution)
+    return read_only(checked_each("resolution", value, n, at_least=0.0))
 
 
 @final
@@ -102,8 +99,7 @@ class Trajectory:
         times = checked_times("times", self.times)
         n = self.position.n_components
         for name in ("rest_before", "rest_after"):
-            if not isinstance(getattr(self, name), bool):
-                raise InputError(f"{name} = {getattr(self, name)!r}: expected True or False")
+            object.__setattr__(self, name, checked_flag(name, getattr(self, name)))
         object.__setattr__(self, "resolution", _per_joint_resolution(self.resolution, n))
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "points", checked_array("points", self.points, (len(times), n), unit="rad"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import reprlib
+from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from typing import Any, Final, TypeVar, final
@@ -18,9 +19,12 @@ __all__ = [
     "FrozenMap",
     "checked_array",
     "checked_choice",
+    "checked_each",
+    "checked_flag",
     "checked_kind",
     "checked_list",
     "checked_number",
+    "checked_rng",
     "checked_texts",
     "checked_times",
     "checked_whole",
@@ -37,8 +41,12 @@ Array = NDArray[np.float64]
 
 LARGEST: Final = 1e30
 """What no quantity of an arm exceeds, in SI units: products of ten of them are still finite."""
-# s; the seventh power of its inverse is still finite.
-_SHORTEST: Final = 1e-30
+# What none that must be above 0 falls below, nor the time between two instants: the seventh power of its inverse is
+# still finite.
+_SMALLEST: Final = 1e-30
+# What is certainly a number, truth values apart, and how deep lists are looked into; no array of ours is so deep.
+_NUMBERS: Final = (int, float, np.integer, np.floating)
+_DEEPEST: Final = 16
 AnyArray = TypeVar("AnyArray", bound=NDArray[np.generic])
 Key = TypeVar("Key")
 Kind = TypeVar("Kind")
@@ -108,10 +116,15 @@ def checked_array(
     shape: Sequence[int | None] | None,
     *,
     unit: str = "",
+    labels: Sequence[str] = (),
     allow_nan: bool = False,
     largest: float = LARGEST,
+    above: float | None = None,
+    at_least: float | None = None,
+    at_most: float | None = None,
+    remedy: str = "",
 ) -> Array:
-    """Return `value` as a read-only float64 copy of the given shape.
+    """Return `value` as a read-only float64 copy of the given shape and within the given bounds.
 
     Parameters
     ----------
@@ -121,10 +134,16 @@ def checked_array(
         Expected shape; None leaves a length free, or all of it.
     unit : str
         Unit named in the message.
+    labels : sequence of str
+        What the message calls the places of a row, such as "joint 'elbow'", in place of their index.
     allow_nan : bool
-        Accept NaN as "unknown" (limits); infinities are refused in any case.
+        Accept NaN as "unknown" (limits), whatever the bounds; infinities are refused in any case.
     largest : float
         Magnitude up to which a number is accepted.
+    above, at_least, at_most : float
+        Bounds of every number, the first exclusive; above 0 the least is 1 / LARGEST.
+    remedy : str
+        What a message of a bound ends with.
 
     Raises
     ------
@@ -135,13 +154,23 @@ def checked_array(
     if shape is not None and not _fits(array.shape, shape):
         raise InputError(f"{name}: shape {array.shape} is not {_describe(shape)}")
     valid = ~np.isinf(array) if allow_nan else np.abs(array) <= largest
+    suffix = f" {unit}" if unit else ""
     if np.count_nonzero(valid) < valid.size:
-        index = tuple(int(i) for i in np.argwhere(~valid)[0])
-        where = f"[{', '.join(map(str, index))}]" if index else ""
-        suffix = f" {unit}" if unit else ""
-        why = f"beyond {largest:g}, as no quantity of an arm is" if np.isfinite(array[index]) else "not a finite number"
-        raise InputError(f"{name}{where} = {float(array[index])}{suffix} is {why}")
+        k = int(np.argmin(valid))
+        number = float(array.flat[k])
+        why = f"beyond {largest:g}, as no quantity of an arm is" if np.isfinite(number) else "not a finite number"
+        raise InputError(f"{_place(name, array, k, labels)} = {number}{suffix} is {why}")
+    for words, bound, k in _beyond(array, above, at_least, at_most):
+        where = f"{_place(name, array, k, labels)} = {array.flat[k]:g}{suffix}"
+        raise InputError(f"{where} must be {words} {bound:g}{suffix}{remedy}")
     return array
+
+
+def checked_each(name: str, value: ArrayLike, count: int, **rules: Any) -> Array:
+    """Return one number for all, or one for each, with the shape (count,); the rules are those of `checked_array`."""
+    if n_dimensions(value) == 0:
+        return np.broadcast_to(checked_array(name, value, (), **rules), (count,))
+    return checked_array(name, value, (count,), **rules)
 
 
 def numbers(name: str, value: ArrayLike, shape: Sequence[int | None] | None = None) -> Array:
@@ -164,11 +193,14 @@ def numbers(name: str, value: ArrayLike, shape: Sequence[int | None] | None = No
     """
     if type(value) is np.ndarray and value.dtype == np.float64:
         return value
-    if _is_masked(value):
+    flaw = _flaw(value)
+    if flaw == "masked":
         raise InputError(f"{name}: some of its numbers are masked; leave them out, or fill them")
     try:
+        if flaw or value is None:
+            raise TypeError("NumPy would make numbers of it")
         given = np.asarray(value)
-        if value is None or given.dtype.kind not in "iufO" or (given.dtype.kind == "O" and _holds_text_or_truth(given)):
+        if given.dtype.kind not in "iufO" or (given.dtype.kind == "O" and _flaw(given)):
             raise TypeError(f"not numbers: {given.dtype}")
         return np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
@@ -184,7 +216,7 @@ def n_dimensions(value: ArrayLike | None) -> int:
     >>> n_dimensions(1.0), n_dimensions([1.0]), n_dimensions([[1.0], [1.0, 2.0]])
     (0, 1, -1)
     """
-    if _is_masked(value):
+    if _flaw(value) == "masked":
         return -1
     try:
         return int(np.ndim(value))  # type: ignore[arg-type]
@@ -216,9 +248,12 @@ def checked_kind(name: str, value: Kind, kind: type[Any] | tuple[type[Any], ...]
 
 def checked_list(name: str, value: Iterable[Kind]) -> tuple[Kind, ...]:
     """Return what can be gone through as a tuple; a text is no list of its letters."""
-    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
-        raise InputError(f"{name}: expected a list, got {reprlib.repr(value)}")
-    return tuple(value)
+    try:
+        if not isinstance(value, (str, bytes)):
+            return tuple(value)
+    except TypeError:  # an array without dimensions calls itself iterable
+        pass
+    raise InputError(f"{name}: expected a list, got {reprlib.repr(value)}")
 
 
 def checked_texts(name: str, value: Iterable[str] | None) -> tuple[str, ...]:
@@ -229,7 +264,19 @@ def checked_texts(name: str, value: Iterable[str] | None) -> tuple[str, ...]:
     return texts
 
 
-def checked_whole(name: str, value: int, *, at_least: int | None = None, at_most: int | None = None) -> int:
+def checked_flag(name: str, value: bool) -> bool:
+    """Return True or False; a text such as "no" would be true."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise InputError(f"{name} = {reprlib.repr(value)}: expected True or False")
+    return bool(value)
+
+
+def checked_rng(rng: np.random.Generator | None) -> np.random.Generator:
+    """Return the generator, for None a new one, so that equal calls give equal results."""
+    return np.random.default_rng(0) if rng is None else checked_kind("rng", rng, np.random.Generator)
+
+
+def checked_whole(name: str, value: Any, *, at_least: int | None = None, at_most: int | None = None) -> int:
     """Return `value` as an int within the bounds; 3.0 is no whole number, nor is True."""
     is_whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
     if not is_whole or (at_least is not None and value < at_least) or (at_most is not None and value > at_most):
@@ -248,19 +295,10 @@ def checked_number(
     at_most: float | None = None,
 ) -> float:
     """Return `value` as a finite float within the given bounds (`above` is exclusive)."""
-    suffix = f" {unit}" if unit else ""
     if isinstance(value, (bool, np.bool_, str)) or value is None:
-        raise InputError(f"{name}: expected a number{suffix and ' in' + suffix}, got {reprlib.repr(value)}")
-    number = float(checked_array(name, value, (), unit=unit))  # type: ignore[arg-type]
-    if above is not None and not number > above:
-        raise InputError(f"{name} = {number:g}{suffix} must be greater than {above:g}{suffix}")
-    if above == 0 and number < 1 / LARGEST:
-        raise InputError(f"{name} = {number:g}{suffix} must be at least {1 / LARGEST:g}{suffix}")
-    if at_least is not None and not number >= at_least:
-        raise InputError(f"{name} = {number:g}{suffix} must be at least {at_least:g}{suffix}")
-    if at_most is not None and not number <= at_most:
-        raise InputError(f"{name} = {number:g}{suffix} must be at most {at_most:g}{suffix}")
-    return number
+        raise InputError(f"{name}: expected a number{unit and ' in ' + unit}, got {reprlib.repr(value)}")
+    bounds = {"above": above, "at_least": at_least, "at_most": at_most}
+    return float(checked_array(name, value, (), unit=unit, **bounds))  # type: ignore[arg-type]
 
 
 def checked_times(name: str, value: ArrayLike, count: int | None = None) -> Array:
@@ -272,7 +310,7 @@ def checked_times(name: str, value: ArrayLike, count: int | None = None) -> Arra
         raise InputError(
             f"{name}: must increase strictly, but {name}[{k}] = {times[k]:.12g} s is followed by {times[k + 1]:.12g} s"
         )
-    if not (steps >= _SHORTEST).all():
+    if not (steps >= _SMALLEST).all():
         k = int(np.argmin(steps))
         raise InputError(
             f"{name}[{k}] = {times[k]:.12g} s and {name}[{k + 1}] = {times[k + 1]:.12g} s are too close to each other"
@@ -283,20 +321,51 @@ def checked_times(name: str, value: ArrayLike, count: int | None = None) -> Arra
 def checked_choice(name: str, value: str, valid: Iterable[str]) -> str:
     """Return `value` if it is one of the valid names, which the message lists otherwise."""
     names = list(valid)
-    if value not in names:
+    if not (isinstance(value, str) and value in names):  # an array is equal to many things at once
         meant = did_you_mean([value], names) if isinstance(value, str) else ""
-        raise InputError(f"unknown {name} {value!r}; valid: {', '.join(map(repr, names))}{meant}")
+        raise InputError(f"unknown {name} {reprlib.repr(value)}; valid: {', '.join(map(repr, names))}{meant}")
     return value
 
 
-def _holds_text_or_truth(array: NDArray[np.object_]) -> bool:
-    return any(isinstance(item, (str, bytes, bool, np.bool_)) for item in array.flat)
+def _flaw(value: object, depth: int = 0) -> str:
+    """What would be lost of a value if NumPy made numbers of it: "masked", or "no number"; "" of sound ones."""
+    if isinstance(value, np.ndarray):
+        if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+            return "masked"
+        if value.dtype.kind != "O":
+            return "" if value.dtype.kind in "iuf" else "no number"
+        value = value.ravel().tolist()
+    if not isinstance(value, (list, tuple, deque)):
+        return "no number" if isinstance(value, (str, bytes, bool, np.bool_)) else ""
+    if depth > _DEEPEST:
+        return "no number"
+    strange = {kind for kind in set(map(type, value)) if kind is bool or not issubclass(kind, _NUMBERS)}
+    flaws = (_flaw(item, depth + 1) for item in value if type(item) in strange) if strange else ()
+    return next(filter(None, flaws), "")
 
 
-def _is_masked(value: object) -> bool:
-    if isinstance(value, (list, tuple)):
-        return any(map(_is_masked, value))
-    return isinstance(value, np.ma.MaskedArray) and bool(np.ma.is_masked(value))
+def _beyond(
+    array: Array, above: float | None, at_least: float | None, at_most: float | None
+) -> Iterator[tuple[str, float, int]]:
+    """Every bound that is not kept, in words, and the place of what is farthest beyond it; NaN keeps all."""
+    if not array.size or (above is None and at_least is None and at_most is None):
+        return
+    low, high = (array.item(),) * 2 if not array.ndim else (np.fmin.reduce(array, None), np.fmax.reduce(array, None))
+    least = _SMALLEST if above == 0 else at_least
+    if above is not None and low <= above:
+        yield "greater than", above, int(np.nanargmin(array))
+    if least is not None and low < least:
+        yield "at least", least, int(np.nanargmin(array))
+    if at_most is not None and high > at_most:
+        yield "at most", at_most, int(np.nanargmax(array))
+
+
+def _place(name: str, array: Array, k: int, labels: Sequence[str]) -> str:
+    """How a message calls the k-th number of an array."""
+    index = [int(i) for i in np.unravel_index(k, array.shape)]
+    if labels and index:
+        name, index = f"{labels[index[-1]]}: {name}", index[:-1]
+    return f"{name}[{', '.join(map(str, index))}]" if index else name
 
 
 def _fits(shape: Sequence[int], wanted: Sequence[int | None]) -> bool:

@@ -46,7 +46,7 @@ SKEW = [[1.0, 0.1, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
             "limits: given for 1 joints, the arm has 6",
         ),
         (lambda: ps.Payload(mass=1.0, inertia=SKEW), "a payload's inertia matrix must be symmetric"),
-        (lambda: replace(small_move(ROBOT), resolution=-1e-6), r"resolution = -1e-06: must be at least 0"),
+        (lambda: replace(small_move(ROBOT), resolution=-1e-6), r"resolution = -1e-06 must be at least 0"),
         (
             lambda: small_move(ROBOT).position.positive_spans(),
             "positive_spans: one component is needed, the function has 6",

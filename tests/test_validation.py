@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import datetime
+from collections import deque
 from collections.abc import Callable
+from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
@@ -11,7 +13,16 @@ import numpy as np
 import pytest
 
 import puma_septic as ps
-from puma_septic.validation import checked_array, checked_choice, checked_number, checked_times, read_only
+from puma_septic.validation import (
+    checked_array,
+    checked_choice,
+    checked_each,
+    checked_flag,
+    checked_number,
+    checked_times,
+    n_dimensions,
+    read_only,
+)
 
 
 def test_an_array_is_copied_to_read_only_float64() -> None:
@@ -27,7 +38,19 @@ def test_an_array_is_copied_to_read_only_float64() -> None:
 
 
 @pytest.mark.parametrize(
-    "value", [[1, 2], (1.0, 2.0), np.float32([1, 2]), [Fraction(1), 2], range(1, 3), [np.int8(1), 2]]
+    "value",
+    [
+        [1, 2],
+        (1.0, 2.0),
+        np.float32([1, 2]),
+        [Fraction(1), 2],
+        range(1, 3),
+        [np.int8(1), 2],
+        [Decimal(1), 2.0],
+        [np.array(1), np.float32(2)],
+        np.array([1, Fraction(2)], dtype=object),
+        deque([1, 2]),
+    ],
 )
 def test_any_kind_of_real_numbers_will_do(value: object) -> None:
     assert checked_array("q", value, (2,)).tolist() == [1.0, 2.0]  # type: ignore[arg-type]
@@ -109,6 +132,54 @@ def test_bounds_of_a_number() -> None:
         checked_number("margin", 2, at_most=1.0)
 
 
+def test_bounds_of_an_array() -> None:
+    """The number that is farthest beyond is named, by its place or by its joint; NaN, where it may be, keeps all."""
+    rates = [[3.0, 1e-31], [2.0, 4.0]]
+    assert checked_array("rates", [[3.0, 1e-30], [2.0, np.nan]], (2, 2), allow_nan=True, above=0.0)[0, 1] == 1e-30
+    assert checked_array("none", np.empty((0, 2)), (None, 2), above=0.0, at_most=1.0).shape == (0, 2)
+    for bounds, message in (
+        ({"above": 0.0}, r"^rates\[0, 1\] = 1e-31 Hz must be at least 1e-30 Hz; slower$"),
+        ({"above": 2.5}, r"^rates\[0, 1\] = 1e-31 Hz must be greater than 2.5 Hz; slower$"),
+        ({"at_least": 1.0}, r"^rates\[0, 1\] = 1e-31 Hz must be at least 1 Hz; slower$"),
+        (
+            {"at_most": 2.5, "labels": ("joint 'a'", "joint 'b'")},
+            r"^joint 'b': rates\[1\] = 4 Hz must be at most 2.5 Hz",
+        ),
+    ):
+        with pytest.raises(ps.InputError, match=message):
+            checked_array("rates", rates, (2, 2), unit="Hz", remedy="; slower", **bounds)  # type: ignore[arg-type]
+
+
+def test_one_number_for_all_or_one_for_each() -> None:
+    assert checked_each("v", 2, 3).tolist() == [2.0, 2.0, 2.0]
+    assert checked_each("v", [1, 2, 3], 3, above=0.0).tolist() == [1.0, 2.0, 3.0]
+    with pytest.raises(ps.InputError, match=r"^v: shape \(2,\) is not \(3,\)$"):
+        checked_each("v", [1, 2], 3)
+
+
+@pytest.mark.parametrize("value", ["no", 0, 1, None, np.array([True, False]), [], 1.0], ids=repr)
+def test_a_flag_is_true_or_false(value: Any) -> None:
+    """`inverse_dynamics(friction="no")` had friction, and an array in its place was NumPy's ValueError."""
+    assert checked_flag("x", np.False_) is False
+    rest = [0.0] * 6
+    for call in (
+        lambda: ps.inverse_dynamics(PUMA, rest, rest, rest, friction=value),
+        lambda: ps.forward_dynamics(PUMA, rest, rest, rest, friction=value),
+        lambda: ps.write_report("report.html", ps.assess(PUMA, ps.quintic_segments(REST, [0.0, 1.0])), overwrite=value),
+        lambda: ps.Dwell(1.0, holding_brake=value),
+    ):
+        with pytest.raises(ps.InputError, match=r"^(friction|overwrite|holding_brake) = .*: expected True or False$"):
+            call()
+
+
+def test_a_list_that_holds_itself() -> None:
+    endless: list[Any] = [1.0]
+    endless.append(endless)
+    assert n_dimensions(endless) == -1
+    with pytest.raises(ps.InputError, match=r"^q: expected numbers of shape \(2,\), got \["):
+        checked_array("q", endless, (2,))
+
+
 def test_times() -> None:
     assert checked_times("times", [0, 1, 5]).tolist() == [0.0, 1.0, 5.0]
     with pytest.raises(
@@ -139,6 +210,10 @@ NO_NUMBERS = {
     "bytes": [b"1"],
     "complex": [1 + 2j],
     "truth": [True, False],
+    "truth among numbers": [True, 0.5],
+    "truth in a row": [[0.0, np.True_]],
+    "truth in an array among rows": [np.array([True]), [1.0]],
+    "text among objects": np.array([0.5, "1"], dtype=object),
     "dates": [np.datetime64("2020-01-01")],
     "spans of time": [datetime.timedelta(1)],
     "nothing": [None],

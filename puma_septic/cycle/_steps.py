@@ -16,7 +16,7 @@ from puma_septic.motion import Motion, Rest, compute_motion
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Actuator, Payload, Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_kind, checked_number
+from puma_septic.validation import Array, checked_flag, checked_kind, checked_number
 
 __all__ = [
     "Dwell",
@@ -60,8 +60,7 @@ class Dwell:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "duration", checked_number("dwell duration", self.duration, unit="s", above=0.0))
-        if not isinstance(self.holding_brake, bool):
-            raise InputError(f"holding_brake = {self.holding_brake!r}: expected True or False")
+        object.__setattr__(self, "holding_brake", checked_flag("holding_brake", self.holding_brake))
         if self.payload is not None:
             checked_kind("payload", self.payload, Payload)
 

@@ -15,7 +15,7 @@ from puma_septic.drives._part_checks import ABSOLUTE_ZERO_CELSIUS
 from puma_septic.drives._stage import LinearStage
 from puma_septic.errors import InputError
 from puma_septic.friction import Friction
-from puma_septic.validation import Array, checked_kind, checked_number, frozen, store_numbers
+from puma_septic.validation import Array, checked_flag, checked_kind, checked_number, frozen, store_numbers
 
 __all__ = ["Drivetrain"]
 
@@ -106,8 +106,7 @@ class Drivetrain:
         for name, least in (("ambient_celsius", ABSOLUTE_ZERO_CELSIUS), ("altitude", None)):
             given = checked_number(name, getattr(self, name), unit=around[name], above=least)
             object.__setattr__(self, name, given)
-        if not isinstance(self.with_brake, bool):
-            raise InputError(f"with_brake = {self.with_brake!r}: expected True or False")
+        object.__setattr__(self, "with_brake", checked_flag("with_brake", self.with_brake))
         store_numbers(self, {"armature": "kg m^2"}, at_least=0.0)
         positive = {
             "max_effort": "N m", "momentary_torque": "N m", "emergency_stops": "", "emergency_duration": "s",

@@ -184,10 +184,7 @@ class Gearbox:
 
     def _check_stiffness(self) -> None:
         for name, unit in (("stiffness", "N m/rad"), ("stiffness_torques", "N m")):
-            values = checked_array(name, getattr(self, name), (None,), unit=unit)
-            if not (values > 0).all():
-                raise InputError(f"{name} = {values.tolist()} {unit}: expected positive numbers")
-            object.__setattr__(self, name, values)
+            object.__setattr__(self, name, checked_array(name, getattr(self, name), (None,), unit=unit, above=0.0))
         stiffness, torques = self.stiffness, self.stiffness_torques
         if (len(stiffness), len(torques)) not in ((0, 0), (1, 0), (3, 2)) or (np.diff(torques) <= 0).any():
             raise InputError(

@@ -226,8 +226,8 @@ class Motor:
 
     def _check_thermal(self) -> None:
         for name, unit in (("thermal_resistances", "K/W"), ("thermal_time_constants", "s")):
-            values = checked_array(name, getattr(self, name), (None,), unit=unit)
-            if len(values) > 2 or not (values > 0).all():
+            values = checked_array(name, getattr(self, name), (None,), unit=unit, above=0.0)
+            if len(values) > 2:
                 raise InputError(f"{name} = {values.tolist()} {unit}: expected one or two positive numbers")
             object.__setattr__(self, name, values)
         if len(self.thermal_time_constants) not in (0, len(self.thermal_resistances)):

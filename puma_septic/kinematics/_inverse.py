@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,6 +32,8 @@ from puma_septic.validation import (
     checked_choice,
     checked_kind,
     checked_number,
+    checked_rng,
+    checked_whole,
     freeze_fields,
     read_only,
 )
@@ -44,6 +46,9 @@ __all__ = [
     "inverse_kinematics_batch",
     "rtb_names",
 ]
+
+# Of damped least squares: each takes some 0.1 ms.
+_MOST_STARTS: Final = 10_000
 
 
 @final
@@ -252,11 +257,12 @@ def inverse_kinematics(
         raise ModelError(
             f"no joint of {robot.name!r} carries the tool {robot.tool!r}: choose another frame as the tool"
         )
-    checked_array("T_world_tool", T_world_tool, (4, 4))
+    pose = checked_array("T_world_tool", T_world_tool, (4, 4))
     allowed = checked_number("tolerance", tolerance, at_least=0.0)
-    target = checked_poses("T_world_tool", np.asarray(T_world_tool, dtype=float)[None], tolerance=allowed)
+    target = checked_poses("T_world_tool", pose[None], tolerance=allowed)
     near = None if q_near is None else checked_array("q_near", q_near, (robot.n_joints,))
-    count, conditions = int(checked_number("starts", starts, at_least=1)), checked_conditions(constrain)
+    count, conditions = checked_whole("starts", starts, at_least=1, at_most=_MOST_STARTS), checked_conditions(constrain)
+    draws = checked_rng(rng)
     form = closed_form(robot) if all(conditions) else None
     if form is not None:
         found = solve_branches(robot, form, target, None if near is None else near[None])
@@ -264,7 +270,7 @@ def inverse_kinematics(
             return _closed(robot, form, found)
         if isinstance(form, PumaGeometry):
             raise _out_of_reach(robot, form, target, found, near)
-    return _numeric(robot, target, near, count, np.random.default_rng(0) if rng is None else rng, conditions)
+    return _numeric(robot, target, near, count, draws, conditions)
 
 
 def inverse_kinematics_batch(

@@ -57,9 +57,7 @@ class PayloadPolygon:
         InputError
             For a negative offset.
         """
-        d = checked_array("offset", offset, (None,), unit="m")
-        if (d < 0).any():
-            raise InputError(f"offset = {d.min():g} m: must be at least 0; turn the direction instead")
+        d = checked_array("offset", offset, (None,), unit="m", at_least=0.0, remedy="; turn the direction instead")
         x, y = self.corners.T
         following = np.roll(self.corners, -1, axis=0)
         # Where the ray y = d x crosses each edge.

@@ -15,13 +15,14 @@ from puma_septic.motion import Motion
 from puma_septic.piecewise import Piecewise
 from puma_septic.piecewise.combinations import Combinations
 from puma_septic.robot import Robot
-from puma_septic.validation import Array, checked_kind, checked_number, checked_whole, read_only
+from puma_septic.validation import Array, checked_kind, checked_number, checked_rng, checked_whole, read_only
 
 __all__ = ["TorqueUncertainty", "torque_uncertainty"]
 
 # Of a body, as Pinocchio's regressor has them, about the joint's origin; see `pinocchio.Inertia.toDynamicParameters`.
 _INERTIAL: Final = ("m", "m c_x", "m c_y", "m c_z", "I_xx", "I_xy", "I_yy", "I_xz", "I_yz", "I_zz")
 _DIAGONAL: Final = {(0, 0): 4, (0, 1): 5, (1, 1): 6, (0, 2): 7, (1, 2): 8, (2, 2): 9}
+_MOST_SAMPLES: Final = 100_000  # 5 s, and 80 MB
 _LEVELS: Final = (0.5, 0.95, 0.99)
 _MOST_ROUNDS: Final = 30
 _STARTS: Final = 8
@@ -116,7 +117,7 @@ def torque_uncertainty(
     rotor, friction : float
         Relative tolerances of the rotors' inertia, and of viscous and Coulomb friction.
     samples : int
-        Of the Monte Carlo.
+        Of the Monte Carlo, at most 100,000.
     rng : numpy.random.Generator, optional
         By default one with the seed 0.
 
@@ -147,13 +148,13 @@ def torque_uncertainty(
     sizes = {name: checked_number(name, value, at_least=0.0) for name, value in given.items()}
     if not any(sizes.values()):
         raise InputError("torque_uncertainty: give at least one tolerance above 0")
-    samples = checked_whole("samples", samples, at_least=1)
+    samples = checked_whole("samples", samples, at_least=1, at_most=_MOST_SAMPLES)
     names, nominal, width = _parameters(robot, sizes)
     parts = _parts(motion)
     whole = Combinations(parts=parts)
     peak = np.array(whole.peaks(nominal[None]))[:, 0]
     greatest, time, shares = _greatest(parts, whole, nominal, width)
-    draws = np.random.default_rng(0) if rng is None else rng
+    draws = checked_rng(rng)
     drawn = nominal + draws.uniform(-1, 1, (samples, len(width))) * width
     quantiles = np.quantile(whole.peaks(drawn)[0], _LEVELS, axis=0)
     at_peak = np.array([[part(t)[j] for part in parts] for j, t in enumerate(peak[1])])

@@ -11,14 +11,16 @@ from puma_septic.errors import InputError
 from puma_septic.limits._stretching import stretched
 from puma_septic.piecewise import Piecewise
 from puma_septic.profiles import double_s, make
+from puma_septic.profiles import names as profile_names
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, n_dimensions
+from puma_septic.validation import Array, checked_array, checked_choice, checked_each
 
 __all__ = ["within_limits"]
 
 # A cruise that takes less than this part of its segment is rounding of one that takes no time.
 _NO_PHASE = 1e-12
 _UNITS = ("rad/s", "rad/s^2", "rad/s^3")
+_STILL = "; two neighbouring points are the same, so give proportions"
 
 
 def within_limits(
@@ -74,6 +76,7 @@ def within_limits(
     >>> move.peak(3)[0].round(9).tolist(), bool(move.peak(1)[0][0] < 1)
     ([20.0], True)
     """
+    checked_choice("family", family, profile_names())
     q, names = checked_array("points", points, (None, None)), tuple(joint_names or ())
     if len(q) < 2:
         raise InputError(f"{family} needs at least 2 points, got {len(q)}")
@@ -92,11 +95,7 @@ def _limits(family: str, given: dict[str, ArrayLike | None], n: int) -> Array:
     """Limits by order, shape (3, n_joints); infinite where none is given."""
     rows = []
     for (name, value), unit in zip(given.items(), _UNITS, strict=True):
-        shape = () if value is None or n_dimensions(value) == 0 else (n,)
-        limit = checked_array(name, np.float64(1) if value is None else value, shape, unit=unit)
-        if not (limit > 0).all():
-            raise InputError(f"{name} = {limit.min():g} {unit}: must be positive")
-        rows.append(np.full(n, np.inf) if value is None else np.zeros(n) + limit)
+        rows.append(np.full(n, np.inf) if value is None else checked_each(name, value, n, unit=unit, above=0.0))
     needed = {"trapezoidal": 2, "double_s": 3}.get(family, 0)
     missing = [name for name in list(given)[:needed] if given[name] is None]
     if missing:
@@ -131,10 +130,8 @@ def _trapezoidal(q: Array, velocity: Array, acceleration: Array, names: tuple[st
 
 def _scaled(family: str, q: Array, limits: Array, proportions: ArrayLike | None, names: tuple[str, ...]) -> Trajectory:
     lengths = np.abs(np.diff(q, axis=0)).max(axis=1)
-    shares = checked_array("proportions", lengths if proportions is None else proportions, (len(q) - 1,))
-    if not (shares > 0).all():
-        k = int(np.argmin(shares))
-        raise InputError(f"proportions[{k}] = {shares[k]:g}: must be positive" + _why_positive(proportions))
+    given, why = (lengths, _STILL) if proportions is None else (proportions, "")
+    shares = checked_array("proportions", given, (len(q) - 1,), above=0.0, remedy=why)
     times = np.concatenate([[0.0], np.cumsum(shares / shares.sum())])
     move = make(family, q, times, joint_names=names or None)
     demands = np.array([move.peak(order)[0] for order in (1, 2, 3)])
@@ -144,7 +141,3 @@ def _scaled(family: str, q: Array, limits: Array, proportions: ArrayLike | None,
         raise InputError(f"{family}: its {what} is unbounded, so that no duration keeps max_{what}")
     factors = np.where(np.isfinite(limits), demands / limits, 0.0) ** (1 / np.arange(1.0, 4.0))[:, None]
     return stretched(move, float(factors.max()))
-
-
-def _why_positive(proportions: ArrayLike | None) -> str:
-    return "; two neighbouring points are the same, so give proportions" if proportions is None else ""

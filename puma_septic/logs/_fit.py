@@ -34,7 +34,7 @@ from puma_septic.logs._spline import (
 from puma_septic.logs._spread import Spread, noise_doubts, sample_doubts, sample_remarks, through
 from puma_septic.logs._suspicions import suspicions
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, checked_choice, checked_texts, checked_times, n_dimensions
+from puma_septic.validation import Array, checked_array, checked_choice, checked_each, checked_texts, checked_times
 
 __all__ = ["FitResidual", "LogFit", "fit_log", "fit_residual", "fit_samples", "fit_trajectory"]
 
@@ -244,7 +244,7 @@ def fit_samples(
         times=times,
         profile="fit_trajectory",
         joint_names=names,
-        resolution=_resolution(t, spread) if resolution is None else _per_joint("resolution", resolution, n),
+        resolution=_resolution(t, spread) if resolution is None else checked_each("resolution", resolution, n),
         rest_before=found.rests[0],
         rest_after=found.rests[1],
         doubts=(*noise_doubts(spread, labels), *questions),
@@ -322,11 +322,6 @@ def _steps_of_velocity(spread: Spread, labels: Sequence[str]) -> list[str]:
     ]
 
 
-def _per_joint(name: str, value: ArrayLike, n: int) -> Array:
-    """A value for each joint; one holds for all."""
-    return np.broadcast_to(checked_array(name, value, () if n_dimensions(value) == 0 else (n,)), (n,))
-
-
 def _resolution(t: Array, spread: Spread) -> Array:
     """Travel that counts as rest; none where rows are too far apart to tell a rest from a motion."""
     if np.median(np.diff(t)) > _LONG_STEP:
@@ -338,7 +333,9 @@ def _resolution(t: Array, spread: Spread) -> Array:
 def _unwrapped(samples: Array, continuous: ArrayLike | None) -> tuple[Array, NDArray[np.int64]]:
     """Positions without jumps by a turn in continuous joints, and how many there were."""
     n = samples.shape[1]
-    turning = np.zeros(n, np.bool_) if continuous is None else np.broadcast_to(np.asarray(continuous, np.bool_), n)
+    turning = np.asarray(False if continuous is None else continuous)
+    if turning.dtype != np.bool_ or turning.shape not in ((), (n,)):
+        raise InputError(f"continuous: expected True or False, or one of them for each of {n} joints")
     q = np.where(turning, np.unwrap(samples, axis=0), samples)
     return q, (np.abs(np.diff(q - samples, axis=0)) > np.pi).sum(axis=0)
 
@@ -351,7 +348,8 @@ def _fitted(
         checked_choice("smoothing", smoothing, ("auto",))
         return _smoothed(t, q, ends)
     if smoothing is not None:
-        allowed = _per_joint("smoothing", smoothing, q.shape[1])
+        remedy = "; leave it out to interpolate"
+        allowed = checked_each("smoothing", smoothing, q.shape[1], unit="rad", labels=labels, above=0.0, remedy=remedy)
         return _within(t, q, allowed, ends, find_rests(t, q, noise, step), labels), 0.0
     stride = -(-len(t) // _MOST_INTERVALS)
     if stride > 1 and noise.any():
@@ -397,9 +395,6 @@ def _jitter(residual: Array, v: Array, noise: Array) -> tuple[float, Array]:
 
 def _within(t: Array, q: Array, allowed: Array, ends: Ends, rests: NDArray[np.int64], labels: Sequence[str]) -> Spread:
     """The least-squares quintic spline on the fewest intervals, of a growing row, that holds the residual."""
-    if not (allowed > 0).all():
-        j = int(np.argmin(allowed))
-        raise InputError(f"{labels[j]}: smoothing = {allowed[j]:g} rad must be positive; leave it out to interpolate")
     intervals, residual = 1, np.full(len(allowed), np.inf)
     # With fewer than two samples to an interval it would be interpolation, and the system might be singular.
     while 2 * intervals <= len(t):

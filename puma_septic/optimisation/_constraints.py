@@ -18,7 +18,13 @@ from puma_septic.paths import TOOL, ToolLimits, tool_rates
 from puma_septic.piecewise import Extrema
 from puma_septic.quantities import MOTION, QUANTITIES
 from puma_septic.robot import Robot
-from puma_septic.validation import Array, checked_array, checked_choice, checked_kind, checked_number, n_dimensions
+from puma_septic.validation import (
+    Array,
+    checked_choice,
+    checked_each,
+    checked_kind,
+    checked_number,
+)
 from puma_septic.views.tables import Cell, text_table
 
 __all__ = [
@@ -53,10 +59,7 @@ def excess_function(
     """
     checks: list[Excess] = []
     if max_overshoot is not None:
-        shape = () if n_dimensions(max_overshoot) == 0 else (n_joints,)
-        bound = checked_array("max_overshoot", max_overshoot, shape, unit="rad")
-        if not (bound >= 0).all():
-            raise InputError("max_overshoot must not be negative, in rad")
+        bound = checked_each("max_overshoot", max_overshoot, n_joints, unit="rad", at_least=0.0)
         checks.append(lambda candidate: _beyond_hull(candidate, bound))
     checks += [_limit_check(robot, quantity) for quantity in keep]
     if robot is not None and (floor is not None or tool_limits is not None):

@@ -17,7 +17,6 @@ from puma_septic.optimisation._problem import (
     Progress,
     Setting,
     best_kept,
-    checked_count,
     checked_setting,
     random_starts,
     refusable,
@@ -27,7 +26,7 @@ from puma_septic.optimisation._variables import MakeTrajectory
 from puma_septic.paths import ToolLimits
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, frozen, read_only
+from puma_septic.validation import Array, checked_whole, frozen, read_only
 from puma_septic.views.tables import Cell
 
 __all__ = ["ParetoFront", "pareto_front"]
@@ -35,6 +34,8 @@ __all__ = ["ParetoFront", "pareto_front"]
 # With up to two free via times the scan is a grid of this many shares a side, else so many random times.
 _GRID: Final = 14
 _RANDOM: Final = 150
+# Each is a search of its own.
+_MOST_POINTS: Final = 1_000
 # Two motions whose objectives differ by less than this part of the front's reach are one.
 _SAME_PLACE: Final = 1e-3
 
@@ -210,7 +211,7 @@ def pareto_front(
         tool_limits=tool_limits,
     )
     goals = checked_objectives(objectives, at_least=2, at_most=3)
-    rays = _rays(len(goals), checked_count("size", size, at_least=3))
+    rays = _rays(len(goals), checked_whole("size", size, at_least=3, at_most=_MOST_POINTS))
     start = make(setting.variables.points, setting.variables.start)
     start_values = np.array([setting.bounded_value(goal, start) for goal in goals])
     scan = _scanned(setting, goals, seed)

@@ -23,9 +23,9 @@ from puma_septic.optimisation._constraints import (
     verdict_of,
 )
 from puma_septic.optimisation._problem import (
+    MOST_RESTARTS,
     Progress,
     best_kept,
-    checked_count,
     checked_setting,
     random_starts,
     search_from,
@@ -37,7 +37,7 @@ from puma_septic.paths import ToolLimits
 from puma_septic.quantities import COMMON, MOTION
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, frozen, n_dimensions, numbers
+from puma_septic.validation import Array, checked_each, checked_whole, frozen, n_dimensions, numbers
 from puma_septic.views.tables import Cell
 
 __all__ = ["LeastTime", "least_time"]
@@ -286,7 +286,7 @@ def least_time(
     if "effort" in quantities:
         torque = excess_function(robot, n_joints, max_overshoot=None, keep=("effort",))
     race = Proportions(setting=setting, limits=limits, torque=torque, tool_limits=tool_limits)
-    count = checked_count("restarts", restarts) if setting.variables.size else 0
+    count = checked_whole("restarts", restarts, at_least=0, at_most=MOST_RESTARTS) if setting.variables.size else 0
     starts = random_starts(setting.variables, setting.first(), count, seed)
     start = race.start(starts[0])
     candidate, ends, found = _raced(race, starts, progress)
@@ -325,10 +325,7 @@ def _checked_limits(
     limits = np.full((3, n_joints), np.nan)
     for row, name, value in zip(limits, MOTION[1:], given, strict=True):
         if value is not None:
-            shape = () if n_dimensions(value) == 0 else (n_joints,)
-            row[:] = checked_array(f"max_{name}", value, shape, allow_nan=True)
-            if (row <= 0).any():
-                raise InputError(f"max_{name}[{int(np.argmax(row <= 0))}] = {row[row <= 0][0]:g} must be positive")
+            row[:] = checked_each(f"max_{name}", value, n_joints, allow_nan=True, above=0.0)
         if robot is not None and name in quantities:
             row[:] = np.fmin(row, getattr(robot.limits, name))
     limits.setflags(write=False)

@@ -25,13 +25,13 @@ from puma_septic.optimisation._variables import MakeTrajectory, Variables, check
 from puma_septic.paths import ToolLimits
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_number
+from puma_septic.validation import Array, checked_number, checked_whole
 
 __all__ = [
+    "MOST_RESTARTS",
     "Progress",
     "Setting",
     "best_kept",
-    "checked_count",
     "checked_setting",
     "random_starts",
     "refusable",
@@ -44,6 +44,8 @@ Answer = TypeVar("Answer")
 
 # Random shares: Dirichlet's distribution, a little away from vanishing segments.
 _CONCENTRATION: Final = 2.0
+# Each is a search of its own.
+MOST_RESTARTS: Final = 10_000
 
 
 @final
@@ -195,17 +197,9 @@ def checked_setting(
     )
 
 
-def checked_count(name: str, value: int, at_least: int = 0) -> int:
-    """A whole number."""
-    number = checked_number(name, value, at_least=at_least)
-    if number != int(number):
-        raise InputError(f"{name} = {value!r} must be a whole number")
-    return int(number)
-
-
 def random_starts(variables: Variables, first: Array, count: int, seed: int) -> list[Array]:
     """The first start, and further ones with random times; free values stay the first's."""
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(checked_whole("seed", seed, at_least=0))
     t = variables.start
     starts = [first]
     for _ in range(count):

@@ -14,10 +14,10 @@ from puma_septic.objectives import Objective, checked_objectives
 from puma_septic.optimisation._analytic import SQUARES, best_free_values, gradient_by_times
 from puma_septic.optimisation._constraints import Verdict, told
 from puma_septic.optimisation._problem import (
+    MOST_RESTARTS,
     Progress,
     Setting,
     best_kept,
-    checked_count,
     checked_setting,
     random_starts,
     search_from,
@@ -27,7 +27,7 @@ from puma_septic.optimisation._variables import MakeTrajectory
 from puma_septic.paths import ToolLimits
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, FrozenMap
+from puma_septic.validation import Array, FrozenMap, checked_whole
 from puma_septic.views.tables import Cell
 
 __all__ = ["OptimisedTimes", "optimise_via_times"]
@@ -235,7 +235,7 @@ def optimise_via_times(
         tool_limits=tool_limits,
     )
     goal = checked_objectives([objective], at_most=1)[0]
-    count = checked_count("restarts", restarts)
+    count = checked_whole("restarts", restarts, at_least=0, at_most=MOST_RESTARTS)
     start = make(setting.variables.points, setting.variables.start)
     start_value = setting.bounded_value(goal, start)
     searched = _with_structure(setting, goal)

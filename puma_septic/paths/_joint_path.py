@@ -115,7 +115,7 @@ def follow(
     'right-up-noflip'
     """
     conditions = _CONDITIONS[checked_choice("constrain", constrain, tuple(_CONDITIONS))]
-    near = None if start is None else checked_joint_values(robot, "start", np.ravel(np.asarray(start)))[0]
+    near = None if start is None else checked_joint_values(robot, "start", start)[0]
     if conditions == 6 and has_closed_form(robot):  # which only arms of six joints and full rank have
         return _on_branch(Follower(robot=robot, conditions=6, rank=6), path, branch, near)
     follower = Follower.of(robot, conditions)

@@ -12,7 +12,7 @@ from puma_septic.paths._curves import checked_pose, turning
 from puma_septic.paths._fitting import fit_state
 from puma_septic.paths._path import Path
 from puma_septic.piecewise import Piecewise
-from puma_septic.validation import Array, checked_array, n_dimensions
+from puma_septic.validation import Array, checked_array, checked_each
 
 __all__ = ["polyline"]
 
@@ -106,13 +106,9 @@ def polyline(poses: ArrayLike, *, zone: ArrayLike) -> Path:
 
 def _checked_zones(zone: ArrayLike, lengths: Array, directions: Array) -> Array:
     count = len(lengths) - 1
-    zones = np.broadcast_to(checked_array("zone", zone, () if n_dimensions(zone) == 0 else (count,), unit="m"), count)
-    if not (zones > 0).all():
-        k = int(np.argmin(zones))
-        raise InputError(
-            f"zone = {zones[k]:g} m at poses[{k + 1}] must be positive; to stop at a corner make a line to it and one"
-            " from it"
-        )
+    labels = [f"poses[{k + 1}]" for k in range(count)]
+    remedy = "; to stop at a corner make a line to it and one from it"
+    zones = checked_each("zone", zone, count, unit="m", labels=labels, above=0.0, remedy=remedy)
     margins = np.concatenate([[0.0], zones, [0.0]])
     taken = margins[:-1] + margins[1:]
     if (taken > lengths * (1 + 1e-12)).any():

@@ -415,7 +415,9 @@ class Piecewise:
 
     def split(self, times: ArrayLike) -> Piecewise:
         """The same function with further breaks; times outside the span or at a break change nothing."""
-        return self._split_offsets([_checked("times", np.ravel(times), (None,), unit="s") - self.start])
+        return self._split_offsets(
+            [_checked("times", times, () if n_dimensions(times) == 0 else (None,), unit="s").ravel() - self.start]
+        )
 
     def _split_offsets(self, offsets: Sequence[Array]) -> Piecewise:
         """`split`, at times from the start."""

@@ -14,7 +14,7 @@ from puma_septic.profiles._asynchronous import Phases, side_by_side
 from puma_septic.profiles._info import BIAGIOTTI, ProfileInfo
 from puma_septic.profiles._vias import Vias
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, n_dimensions
+from puma_septic.validation import Array, checked_each
 
 __all__ = ["POLYNOMIAL_BLENDS", "TRAPEZOIDAL", "polynomial_blends", "trapezoidal"]
 
@@ -152,14 +152,8 @@ def polynomial_blends(
 
 def _blend_times(vias: Vias, given: ArrayLike) -> Array:
     """Of each point and joint, shape (k, n_joints)."""
-    if n_dimensions(given) == 0:
-        given = np.full(len(vias.q), float(checked_array("blend_time", given, (), unit="s")))
-    blends = checked_array("blend_time", given, (len(vias.q),), unit="s")
-    if not (blends > 0).all():
-        k = int(np.argmin(blends))
-        raise InputError(
-            f"blend_time of point {k} = {blends[k]:g} s must be positive; without blends, take profile linear"
-        )
+    remedy = "; without blends, take profile linear"
+    blends = checked_each("blend_time", given, len(vias.q), unit="s", above=0.0, remedy=remedy)
     return np.repeat(blends[:, None], vias.n_joints, axis=1)
 
 

@@ -13,7 +13,7 @@ from puma_septic.profiles._asynchronous import Phases, side_by_side
 from puma_septic.profiles._info import BIAGIOTTI, ProfileInfo
 from puma_septic.profiles._vias import Vias, boundary, checked_points, joint_labels, named
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, numbers
+from puma_septic.validation import Array, checked_each, numbers
 
 __all__ = ["DOUBLE_S", "double_s"]
 
@@ -142,11 +142,7 @@ def _limit(name: str, value: ArrayLike | None, labels: Sequence[str], unit: str)
         which = labels if unknown.ndim == 0 else [label for label, one in zip(labels, unknown, strict=False) if one]
         whose = "all joints" if unknown.all() else ", ".join(which)
         raise InputError(f"double_s needs {name} in {unit}, which is unknown for {whose}")
-    limit = boundary(name, value, len(labels))
-    if not (limit > 0).all():
-        j = int(np.argmax(~(limit > 0)))
-        raise InputError(f"{labels[j]}: {name} = {limit[j]:g} must be positive")
-    return limit
+    return checked_each(name, value, len(labels), labels=labels, above=0.0)
 
 
 def _segment(k: int, points: Array, velocities: Array, bounds: Sequence[_Bounds], labels: Sequence[str]) -> _Plan:

@@ -11,9 +11,9 @@ from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
 from puma_septic.profiles._info import ProfileInfo
 from puma_septic.profiles._quintic import quintic_powers
-from puma_septic.profiles._vias import Vias, boundary, checked_points
+from puma_septic.profiles._vias import Vias, checked_points
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, checked_number
+from puma_septic.validation import Array, checked_array, checked_each, checked_number
 
 __all__ = ["LSPB", "lspb", "mstraj"]
 
@@ -109,16 +109,9 @@ def _durations(points: Array, durations: ArrayLike | None, max_velocity: ArrayLi
         given = "both are" if durations is not None else "neither is"
         raise InputError(f"lspb takes either durations or max_velocity; {given} given")
     if durations is not None:
-        lengths = checked_array("durations", durations, (len(points) - 1,), unit="s")
-        if not (lengths > 0).all():
-            k = int(np.argmax(~(lengths > 0)))
-            raise InputError(f"durations[{k}] = {lengths[k]:g} s must be positive")
-        return lengths
+        return checked_array("durations", durations, (len(points) - 1,), unit="s", above=0.0)
     assert max_velocity is not None
-    speed = boundary("max_velocity", max_velocity, points.shape[1])
-    if not (speed > 0).all():
-        k = int(np.argmax(~(speed > 0)))
-        raise InputError(f"max_velocity[{k}] = {speed[k]:g} must be positive")
+    speed = checked_each("max_velocity", max_velocity, points.shape[1], above=0.0)
     needed = (np.abs(np.diff(points, axis=0)) / speed).max(axis=1)
     needed[0] += blend / 2
     needed[1:] += blend

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, checked_texts, checked_times, n_dimensions
+from puma_septic.validation import Array, checked_array, checked_each, checked_texts, checked_times
 
 __all__ = ["Vias", "boundary", "checked_points", "joint_labels", "named"]
 
@@ -158,9 +158,7 @@ def boundary(name: str, value: ArrayLike | None, n_joints: int) -> Array:
     """A boundary value per joint: None is zero, a scalar holds for all joints."""
     if value is None:
         return np.zeros(n_joints)
-    if n_dimensions(value) == 0:
-        return np.full(n_joints, float(checked_array(name, value, ())))
-    return checked_array(name, value, (n_joints,))
+    return checked_each(name, value, n_joints)
 
 
 def named(joint_names: Sequence[str] | None) -> tuple[str, ...]:

@@ -49,12 +49,11 @@ class Limits:
             raise InputError(f"position[{k}]: lower bound {position[k, 0]:g} is not below upper {position[k, 1]:g}")
         object.__setattr__(self, "position", position)
         for name in MAGNITUDES:
-            if not np.size(getattr(self, name)):
-                object.__setattr__(self, name, np.full(len(position), np.nan))
-            values = checked_array(name, getattr(self, name), (len(position),), allow_nan=True)
-            if (values <= 0).any():
-                k = int(np.argmax(values <= 0))
-                raise InputError(f"{name} limit[{k}] = {values[k]:g} must be positive (NaN where unknown)")
+            given = getattr(self, name)
+            if QUANTITIES[name].is_optional and isinstance(given, np.ndarray) and not given.size:
+                given = np.full(len(position), np.nan)
+            shape, remedy = (len(position),), " (NaN where unknown)"
+            values = checked_array(f"{name} limit", given, shape, allow_nan=True, above=0.0, remedy=remedy)
             object.__setattr__(self, name, values)
 
     @property

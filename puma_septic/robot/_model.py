@@ -25,10 +25,10 @@ from puma_septic.validation import (
     FrozenMap,
     checked_array,
     checked_choice,
+    checked_each,
     checked_kind,
     checked_list,
     frozen,
-    n_dimensions,
     read_only,
 )
 from puma_septic.views import robot as view
@@ -310,9 +310,7 @@ class Robot:
         for name, value in magnitudes.items():
             checked_choice("limit", name, QUANTITIES)
             if value is not None:
-                shape = () if n_dimensions(value) == 0 else (self.n_joints,)
-                checked = checked_array(name, value, shape, allow_nan=True)
-                changes[name] = np.broadcast_to(checked, (self.n_joints,))
+                changes[name] = checked_each(name, value, self.n_joints, allow_nan=True)
         if position is not None:
             changes["position"] = checked_array("position", position, (self.n_joints, 2), allow_nan=True)
         return replace(self, limits=replace(new, **changes) if changes else new)

@@ -30,7 +30,7 @@ from puma_septic.ros._message import (
 )
 from puma_septic.ros._texts import MAX_YAML, documents_of, read_documents
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import checked_array
+from puma_septic.validation import checked_array, checked_whole
 
 __all__ = [
     "PlannedTrajectory",
@@ -128,9 +128,8 @@ def read_joint_trajectory(
     planned = read_joint_trajectories(path, robot, start=start)
     if index is None and len(planned) > 1:
         raise InputError(f"{path}: {len(planned)} trajectories in it; index=0 to {len(planned) - 1} takes one of them")
-    if index is not None and (not isinstance(index, int) or not 0 <= index < len(planned)):
-        raise InputError(f"index = {index}: {path} has {len(planned)} trajectories, counted from 0")
-    return planned[index or 0].trajectory
+    chosen = 0 if index is None else checked_whole("index", index, at_least=0, at_most=len(planned) - 1)
+    return planned[chosen].trajectory
 
 
 def read_joint_trajectories(

@@ -162,8 +162,10 @@ class Controller:
             value = getattr(self, name)
             if value is not None and not (isinstance(value, float) and isinf(value) and value > 0):
                 object.__setattr__(self, name, checked_number(name, value, unit=unit, above=0.0))
-        _at_least_zero("bandwidth", self.bandwidth, "Hz", is_open=True)
-        _at_least_zero("encoder_resolution", self.encoder_resolution, "rad")
+        for name, unit, above, least in (("bandwidth", "Hz", 0.0, None), ("encoder_resolution", "rad", None, 0.0)):
+            value = getattr(self, name)
+            shape = () if n_dimensions(value) == 0 else (None,)
+            object.__setattr__(self, name, checked_array(name, value, shape, unit=unit, above=above, at_least=least))
         if self.model is not None and not isinstance(self.model, Robot):
             raise InputError(f"model: expected a Robot, got {type(self.model).__name__}")
         if self.is_continuous and (self.delay > 0 or self.estimates_velocity):
@@ -300,12 +302,6 @@ def controller_of(value: Controller | str) -> Controller:
     if isinstance(value, str):
         return Controller(law=value)
     raise InputError(f"controller: expected a Controller or one of {', '.join(map(repr, LAWS))}, got {value!r}")
-
-
-def _at_least_zero(name: str, value: ArrayLike, unit: str, *, is_open: bool = False) -> None:
-    numbers = checked_array(name, value, () if n_dimensions(value) == 0 else (None,), unit=unit)
-    if not ((numbers > 0) if is_open else (numbers >= 0)).all():
-        raise InputError(f"{name} = {numbers.min():g} {unit} must be {'above' if is_open else 'at least'} 0")
 
 
 _ControlLaw = Callable[[Robot, Gains, Reference, Array, Array, Array], Array]

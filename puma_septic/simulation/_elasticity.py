@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from puma_septic.document import card, one_line
-from puma_septic.errors import InputError
 from puma_septic.robot import Robot
 from puma_septic.validation import Array, checked_array, checked_number
 from puma_septic.vibration import stiffness_for
@@ -54,16 +53,9 @@ class ElasticJoints:
     source: str = ASSUMED
 
     def __post_init__(self) -> None:
-        stiffness = checked_array("stiffness", self.stiffness, (None,), unit="N m/rad")
-        damping = checked_array("damping", self.damping, (len(stiffness),), unit="N m s/rad")
-        if not (stiffness > 0).all():
-            j = int(np.argmin(stiffness))
-            raise InputError(
-                f"stiffness[{j}] = {stiffness[j]:g} N m/rad must be above 0; rigid gears need no ElasticJoints"
-            )
-        if not (damping >= 0).all():
-            j = int(np.argmin(damping))
-            raise InputError(f"damping[{j}] = {damping[j]:g} N m s/rad must be at least 0")
+        remedy = "; rigid gears need no ElasticJoints"
+        stiffness = checked_array("stiffness", self.stiffness, (None,), unit="N m/rad", above=0.0, remedy=remedy)
+        damping = checked_array("damping", self.damping, (len(stiffness),), unit="N m s/rad", at_least=0.0)
         object.__setattr__(self, "stiffness", stiffness)
         object.__setattr__(self, "damping", damping)
 

@@ -18,11 +18,10 @@ from puma_septic.robot import Robot
 from puma_septic.simulation._stop_categories import brake, path_of, slow_down, stopping_trajectory
 from puma_septic.validation import (
     Array,
-    checked_array,
     checked_choice,
+    checked_each,
     checked_kind,
     checked_number,
-    n_dimensions,
     read_only,
 )
 
@@ -283,11 +282,8 @@ def checked_brakes(robot: Robot, brake_torque: ArrayLike | None, reaction_time: 
             f"a stop of category 0 needs {' and '.join(missing)}: the torque of each joint's brake, N m at the joint,"
             " and the time until they grip, s; no robot description has them"
         )
-    shape = () if n_dimensions(brake_torque) == 0 else (robot.n_joints,)
-    torque = np.broadcast_to(checked_array("brake_torque", brake_torque, shape, unit="N m"), (robot.n_joints,))
-    if not (torque >= 0).all():
-        j = int(np.argmin(torque))
-        raise InputError(f"joint {robot.joint_names[j]!r}: brake torque {torque[j]:g} N m must be at least 0")
+    labels = [f"joint {name!r}" for name in robot.joint_names]
+    torque = checked_each("brake_torque", brake_torque, robot.n_joints, unit="N m", labels=labels, at_least=0.0)
     return torque, checked_number("reaction_time", reaction_time, unit="s", at_least=0.0)
 
 

@@ -21,7 +21,14 @@ from puma_septic.kinematics import forward_kinematics
 from puma_septic.robot import Payload, Robot
 from puma_septic.simulation._stop import CATEGORIES, NOT_A_SAFETY_FUNCTION, checked_brakes, known_limits
 from puma_septic.simulation._stop_categories import Path, brake, slow_down
-from puma_septic.validation import Array, checked_array, checked_choice, checked_number, n_dimensions, read_only
+from puma_septic.validation import (
+    Array,
+    checked_array,
+    checked_choice,
+    checked_each,
+    checked_number,
+    read_only,
+)
 from puma_septic.views import stops as view
 
 __all__ = ["FRACTIONS", "StopRow", "StopTable", "extended_postures", "stop_table"]
@@ -182,9 +189,7 @@ def stop_table(
     names = tuple(robot.joint_names[:3] if joints is None else joints)
     moving = np.array([robot.joint_index(name) for name in names])
     full = _full_speed(robot, names, moving, speed)
-    shares = checked_array("fractions", fractions, (None,))
-    if not ((shares > 0) & (shares <= 1)).all():
-        raise InputError(f"fractions = {shares.tolist()}: each must be above 0 and at most 1")
+    shares = checked_array("fractions", fractions, (None,), above=0.0, at_most=1.0)
     payload = load if isinstance(load, Payload) else Payload(mass=checked_number("load", load, unit="kg", at_least=0.0))
     checked_choice("category", str(category), [str(one) for one in CATEGORIES])
     braking = checked_brakes(robot, brake_torque, reaction_time) if category == 0 else None
@@ -297,10 +302,7 @@ def _full_speed(robot: Robot, names: Sequence[str], moving: Array, speed: ArrayL
             unknown = ", ".join(name for name, value in zip(names, known, strict=True) if np.isnan(value))
             raise InputError(f"a table of stops needs the speed limit of each joint, or speed=; not known of {unknown}")
         return read_only(known)
-    given = checked_array("speed", speed, () if n_dimensions(speed) == 0 else (len(names),), unit="rad/s")
-    if not (given > 0).all():
-        raise InputError(f"speed = {given.min():g} rad/s must be above 0")
-    return read_only(np.broadcast_to(given, (len(names),)))
+    return read_only(checked_each("speed", speed, len(names), unit="rad/s", above=0.0))
 
 
 def _scaled(payload: Payload, part: float) -> Payload:

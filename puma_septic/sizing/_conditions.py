@@ -14,7 +14,15 @@ from puma_septic.drives import Drivetrain, Gearbox, LinearStage, Motor, Supply
 from puma_septic.errors import InputError
 from puma_septic.limit_check import AT_LIMIT, LimitCheck
 from puma_septic.sizing._checks import DRIVE_LIMITS
-from puma_septic.validation import Array, FrozenMap, checked_array, checked_choice, checked_number, n_dimensions
+from puma_septic.validation import (
+    Array,
+    FrozenMap,
+    checked_array,
+    checked_choice,
+    checked_flag,
+    checked_number,
+    n_dimensions,
+)
 
 __all__ = ["Conditions"]
 
@@ -102,10 +110,10 @@ class Conditions:
             if one.name not in _NO_NUMBERS:
                 value = getattr(self, one.name)
                 shape: tuple[int | None, ...] = () if n_dimensions(value) == 0 else (None,)
-                array = checked_array(one.name, value, shape, unit=_unit(one.name), allow_nan=True)
-                if one.name != "ambient_celsius" and (array <= 0).any():
-                    raise InputError(f"{one.name} = {array.min():g} {_unit(one.name)}: must be greater than 0")
+                least = None if one.name == "ambient_celsius" else 0.0
+                array = checked_array(one.name, value, shape, unit=_unit(one.name), allow_nan=True, above=least)
                 object.__setattr__(self, one.name, array)
+        object.__setattr__(self, "with_brake", checked_flag("with_brake", self.with_brake))
         if self.supply is not None and not isinstance(self.supply, Supply):
             raise InputError(f"supply: expected a Supply, got {type(self.supply).__name__}")
         for joint, stage in self.stages.items():

@@ -155,9 +155,7 @@ def average_torque(torques: ArrayLike, speeds: ArrayLike, durations: ArrayLike, 
     """
     torque = checked_array("torques", torques, (None,), unit="N m")
     speed = checked_array("speeds", speeds, (len(torque),))
-    duration = checked_array("durations", durations, (len(torque),), unit="s")
-    if (duration < 0).any():
-        raise InputError(f"durations[{int(np.argmax(duration < 0))}] = {duration.min():g} s must be at least 0 s")
+    duration = checked_array("durations", durations, (len(torque),), unit="s", at_least=0.0)
     travel = np.abs(speed) * duration
     if not travel.sum() > 0:
         raise InputError("nothing turns in this cycle: its average torque, weighted by speed, is not defined")

@@ -21,7 +21,7 @@ from puma_septic.sizing._checks import NotAssessed, Outcome, assess_joint
 from puma_septic.sizing._demands import Demands
 from puma_septic.sizing._load_features import LoadGrid, load_grid
 from puma_septic.sizing._loads import JointLoad, gearbox_load, joint_load, motor_load
-from puma_septic.validation import Array, checked_number
+from puma_septic.validation import Array, checked_flag, checked_number
 from puma_septic.worst_case import worst_holding_torque
 
 __all__ = [
@@ -129,6 +129,8 @@ class LoadCase:
             raise InputError(f"load case {self.name!r}: expected a Cycle, got {type(self.cycle).__name__}")
         share = checked_number(f"share of load case {self.name!r}", self.share, at_least=0.0)
         object.__setattr__(self, "share", share)
+        for flag in ("is_rare", "is_powered"):
+            object.__setattr__(self, flag, checked_flag(f"{flag} of load case {self.name!r}", getattr(self, flag)))
         for joint in self.joints:
             if joint not in self.cycle.joint_names:
                 valid = ", ".join(self.cycle.joint_names)

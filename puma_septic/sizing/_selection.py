@@ -13,7 +13,6 @@ from puma_septic.cycle import Cycle
 from puma_septic.doctor import doubts
 from puma_septic.document import SCHEMAS, frame, one_line, plain
 from puma_septic.drives import LEAST_SET, Catalogue
-from puma_septic.errors import InputError
 from puma_septic.sizing._candidates import Candidate
 from puma_septic.sizing._conditions import Conditions
 from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_drivetrains
@@ -21,7 +20,7 @@ from puma_septic.sizing._front import ArmChoice, arm_front
 from puma_septic.sizing._joint_selection import RANKS, JointSelection, Rank, select_joint
 from puma_septic.sizing._load_cases import LoadCase, joint_cases, position_remarks
 from puma_septic.sizing._result import Sizing, case_document, sized
-from puma_septic.validation import checked_choice
+from puma_septic.validation import checked_choice, checked_whole
 from puma_septic.views import selection as view
 
 __all__ = [
@@ -300,8 +299,8 @@ def select(
 def checked_rank(rank: Rank, keep: int | None) -> None:
     """Raise an InputError for an unknown rank or an invalid number of pairs."""
     checked_choice("rank", rank, RANKS)
-    if keep is not None and (isinstance(keep, bool) or not isinstance(keep, int) or keep < 1):
-        raise InputError(f"keep = {keep!r}: expected a number of pairs from 1, or None for all")
+    if keep is not None:
+        checked_whole("keep", keep, at_least=1)
 
 
 def _pairs(count: int) -> str:

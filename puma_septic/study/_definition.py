@@ -18,7 +18,7 @@ from puma_septic._version import __version__
 from puma_septic.errors import InputError, did_you_mean
 from puma_septic.files import checked_path, decoded, read_bytes, sha256_of, yaml_documents
 from puma_septic.task import Task, load_task, make_task
-from puma_septic.validation import Array, checked_choice, checked_kind
+from puma_septic.validation import Array, checked_choice, checked_kind, checked_whole
 
 __all__ = ["COLUMNS", "SCALED", "Study", "load_study", "make_study"]
 
@@ -32,6 +32,8 @@ _KEYS: Final = ("name", "task", "axes", "sampling", "cases", "columns", "chunk")
 _MAX_BYTES: Final = 4_000_000
 _MAX_DEPTH: Final = 16
 _CHUNK: Final = 10_000
+# Values of an axis, or drawn cases; they are all held in memory.
+_MOST: Final = 10_000_000
 _SAMPLINGS: Final = ("grid", "list", "latin_hypercube")
 # A drawn value of an axis of names is its place, as a part of 1.
 _RANGE: Final = ("from", "to", "count", "spacing")
@@ -196,7 +198,7 @@ def make_study(data: Mapping[str, Any], *, origin: str = "study", folder: str | 
         axes=tuple(axes),
         drawn=_drawn(sampling, axes, given, count, seed),
         columns=columns,
-        chunk=_whole(data.get("chunk", _CHUNK), f"{origin}: chunk"),
+        chunk=checked_whole(f"{origin}: chunk", data.get("chunk", _CHUNK), at_least=1),
     )
 
 
@@ -219,15 +221,9 @@ def _task(given: Any, origin: str, folder: Path) -> Task:
 def _sampling(given: Any, origin: str) -> tuple[str, int, int]:
     if isinstance(given, Mapping):
         _known_keys(given, ("latin_hypercube", "seed"), f"{origin}: sampling")
-        count = _whole(given.get("latin_hypercube"), f"{origin}: latin_hypercube")
-        return "latin_hypercube", _whole(given.get("seed", 0), f"{origin}: seed", at_least=0), count
+        count = checked_whole(f"{origin}: latin_hypercube", given.get("latin_hypercube"), at_least=1, at_most=_MOST)
+        return "latin_hypercube", checked_whole(f"{origin}: seed", given.get("seed", 0), at_least=0), count
     return checked_choice(f"{origin}: sampling", given, _SAMPLINGS[:2]), 0, 0
-
-
-def _whole(value: Any, name: str, *, at_least: int = 1) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or value < at_least:
-        raise InputError(f"{name} = {value!r}: expected a whole number from {at_least}")
-    return value
 
 
 def _listed(cases: Any, origin: str) -> Mapping[str, list[Any]]:
@@ -264,7 +260,7 @@ def _range(name: str, given: Mapping[str, Any], where: str, *, is_drawn: bool) -
         if not low < high:
             raise InputError(f"{where}: from = {low:g} is not below to = {high:g}")
         return Axis(name=name, values=(), bounds=(low, high))
-    count = _whole(given.get("count"), f"{where}, count")
+    count = checked_whole(f"{where}, count", given.get("count"), at_least=1, at_most=_MOST)
     spacing = checked_choice(f"{where}, spacing", given.get("spacing", "even"), ("even", "geometric"))
     if spacing == "geometric" and not min(low, high) > 0:
         raise InputError(f"{where}: a geometric spacing needs positive ends, got {low:g} and {high:g}")

@@ -21,6 +21,7 @@ from puma_septic.errors import InputError
 from puma_septic.study._definition import Study
 from puma_septic.study._evaluation import evaluated, joint_count
 from puma_septic.study._folder import StudyFolder, table_from_bytes, table_of, table_to_bytes
+from puma_septic.validation import checked_flag, checked_whole
 
 __all__ = ["LARGE", "StudyRun", "run_study"]
 
@@ -103,10 +104,10 @@ def run_study(
     ...     run_study(study, folder, workers=1).n_computed
     3
     """
-    if study.n_cases > LARGE and not confirmed:
+    if study.n_cases > LARGE and not checked_flag("confirmed", confirmed):
         raise InputError(f"{study.n_cases:,} cases are more than {LARGE:,}; confirm that they are meant (--yes)")
-    if workers is not None and (isinstance(workers, bool) or workers < 1):
-        raise InputError(f"workers = {workers}: expected a whole number from 1")
+    if workers is not None:
+        checked_whole("workers", workers, at_least=1)
     place = StudyFolder(path=Path(folder))
     n_joints = joint_count(study)
     with place.opened(study):

@@ -9,7 +9,7 @@ from puma_septic.dynamics import check_inertia, mass_matrix
 from puma_septic.errors import InputError
 from puma_septic.kinematics import checked_joint_values
 from puma_septic.robot import Robot
-from puma_septic.validation import Array, checked_array, n_dimensions, read_only
+from puma_septic.validation import Array, checked_each, n_dimensions, read_only
 from puma_septic.vibration._spectrum import checked_frequencies
 
 __all__ = ["checked_stiffness", "link_inertia", "natural_frequencies", "stiffness_for"]
@@ -99,12 +99,7 @@ def link_inertia(robot: Robot, q: Array) -> Array:
 
 def checked_stiffness(robot: Robot, stiffness: ArrayLike) -> Array:
     """Stiffness of each joint, shape (n_joints,), above 0."""
-    shape = () if n_dimensions(stiffness) == 0 else (robot.n_joints,)
-    values = np.broadcast_to(checked_array("stiffness", stiffness, shape, unit="N m/rad"), (robot.n_joints,))
-    if not (values > 0).all():
-        j = int(np.argmin(values))
-        raise InputError(
-            f"joint {robot.joint_names[j]!r}: stiffness {values[j]:g} N m/rad must be above 0; a joint without elastic"
-            " gears is rigid: leave the elasticity out"
-        )
-    return read_only(values)
+    labels = [f"joint {name!r}" for name in robot.joint_names]
+    remedy = "; a joint without elastic gears is rigid: leave the elasticity out"
+    rules = {"unit": "N m/rad", "labels": labels, "above": 0.0, "remedy": remedy}
+    return read_only(checked_each("stiffness", stiffness, robot.n_joints, **rules))

@@ -50,9 +50,9 @@ class Shaper:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "delays", checked_times("delays", self.delays))
-        object.__setattr__(self, "weights", checked_array("weights", self.weights, (len(self.delays),)))
-        if not (self.weights > 0).all() or abs(self.weights.sum() - 1) > _SUM:
-            raise InputError(f"weights = {self.weights.tolist()}: each must be above 0, and their sum 1")
+        object.__setattr__(self, "weights", checked_array("weights", self.weights, (len(self.delays),), above=0.0))
+        if abs(self.weights.sum() - 1) > _SUM:
+            raise InputError(f"weights = {self.weights.tolist()}: their sum must be 1")
         if len(self.delays) == 0 or self.delays[0] != 0:
             raise InputError(f"delays = {self.delays.tolist()} s: the first must be 0")
 

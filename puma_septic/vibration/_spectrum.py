@@ -81,9 +81,10 @@ def residual_vibration(trajectory: Trajectory, frequency: ArrayLike, *, damping:
 
 def checked_frequencies(frequency: ArrayLike) -> Array:
     """Frequencies in Hz, shape () or (k,), each above 0."""
-    hertz = checked_array("frequency", frequency, () if n_dimensions(frequency) == 0 else (None,), unit="Hz")
-    if not (hertz > 0).all():
-        raise InputError(f"frequency = {hertz.min():g} Hz: a natural frequency must be above 0")
+    shape = () if n_dimensions(frequency) == 0 else (None,)
+    hertz = checked_array("frequency", frequency, shape, unit="Hz", above=0.0)
+    if not hertz.size:
+        raise InputError("frequency: at least one natural frequency is needed, in Hz")
     return hertz
 
 

@@ -18,7 +18,7 @@ from puma_septic.document import one_line
 from puma_septic.errors import InputError
 from puma_septic.motion import Motion
 from puma_septic.outputs import write_file
-from puma_septic.validation import checked_kind, checked_list, checked_texts
+from puma_septic.validation import checked_flag, checked_kind, checked_list, checked_texts
 from puma_septic.viewer._page import page_html
 from puma_septic.viewer._scene import shown
 from puma_septic.viewer._server import PageServer, serve_page
@@ -137,7 +137,7 @@ def replay(
     """
     html = replay_html(what, labels=labels, title=title, point_names=point_names)
     server = serve_page(html, port=port)
-    wanted = "ipykernel" not in sys.modules if open_browser is None else open_browser
+    wanted = "ipykernel" not in sys.modules if open_browser is None else checked_flag("open_browser", open_browser)
     return Replay(html=html, browser_opened=wanted and _open(server.url), _server=server)
 
 

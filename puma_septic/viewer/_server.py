@@ -9,6 +9,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, ClassVar, Final, final
 
 from puma_septic.errors import InputError
+from puma_septic.validation import checked_whole
 
 __all__ = ["PageServer", "serve_page"]
 
@@ -78,9 +79,8 @@ def serve_page(html: str, *, port: int | None = None) -> PageServer:
     InputError
         For a number that is no port, or where no port can be opened at all.
     """
-    if port is not None and (isinstance(port, bool) or not isinstance(port, int) or not 0 <= port <= 65535):
-        raise InputError(f"port = {port!r} is not a whole number from 0 to 65535")
-    server = _listening(_handler(html.encode()), port or 0)
+    wanted = 0 if port is None else checked_whole("port", port, at_least=0, at_most=65535)
+    server = _listening(_handler(html.encode()), wanted)
     thread = threading.Thread(target=server.serve_forever, args=(0.05,), name="puma-septic replay", daemon=True)
     thread.start()
     return PageServer(port=int(server.server_address[1]), _server=server, _thread=thread)

@@ -14,7 +14,13 @@ from puma_septic.document import SCHEMAS, card, one_line, plain
 from puma_septic.dynamics import check_inertia, check_plain_friction, check_uncoupled
 from puma_septic.errors import InputError
 from puma_septic.robot import Payload, Robot
-from puma_septic.validation import Array, checked_array, checked_kind, checked_number, n_dimensions, read_only
+from puma_septic.validation import (
+    Array,
+    checked_each,
+    checked_kind,
+    checked_number,
+    read_only,
+)
 from puma_septic.views import accelerations as view
 from puma_septic.worst_case._demand import Demand
 from puma_septic.worst_case._polynomials import fitted
@@ -278,11 +284,7 @@ def acceleration_limits(
 
 
 def _checked_speeds(robot: Robot, speeds: ArrayLike | None) -> Array:
-    given = 0.0 if speeds is None else speeds
-    values = checked_array("speeds", given, () if n_dimensions(given) == 0 else (robot.n_joints,))
-    if (values < 0).any():
-        raise InputError(f"speeds = {values.tolist()}: magnitudes cannot be negative")
-    return np.broadcast_to(values, (robot.n_joints,))
+    return checked_each("speeds", 0.0 if speeds is None else speeds, robot.n_joints, at_least=0.0)
 
 
 def _shares(demand: Demand, poses: Array, shares: Mapping[str, float] | None) -> Array:

@@ -147,7 +147,7 @@ def test_the_gate_holds_it(puma: ps.Robot) -> None:
 
 
 def test_refused_limits(puma: ps.Robot) -> None:
-    with pytest.raises(ps.InputError, match=r"torque_rate limit\[0\] = -1 must be positive"):
+    with pytest.raises(ps.InputError, match=r"torque_rate limit\[0\] = -1 must be greater than 0"):
         puma.with_limits(torque_rate=-1.0)
     with pytest.raises(ps.InputError, match=r"unknown limit 'torque'; valid: .*'effort', 'torque_rate'"):
         puma.with_limits(torque=1.0)

@@ -49,9 +49,9 @@ def test_messages() -> None:
         ps.within_limits("cubic", POINTS, max_jerk=1.0)
     with pytest.raises(ps.InputError, match="septic_spline from limits alone needs max_velocity, max_acc"):
         ps.within_limits("septic_spline", POINTS)
-    with pytest.raises(ps.InputError, match="max_velocity = -1 rad/s: must be positive"):
+    with pytest.raises(ps.InputError, match="max_velocity = -1 rad/s must be greater than 0 rad/s"):
         ps.within_limits("quintic", POINTS, max_velocity=-1.0)
     with pytest.raises(ps.InputError, match="all points are the same"):
         ps.within_limits("quintic", [[0.0], [0.0]], max_velocity=1.0)
-    with pytest.raises(ps.InputError, match=r"proportions\[1\] = 0: must be positive; two neighbouring points"):
+    with pytest.raises(ps.InputError, match=r"proportions\[1\] = 0 must be greater than 0; two neighbouring points"):
         ps.within_limits("quintic", [[0.0], [1.0], [1.0]], max_velocity=1.0)

@@ -110,7 +110,7 @@ def test_fit_refuses(rng: np.random.Generator) -> None:
         InputError, match=r"joint 'b': smoothing = 1e-06 rad is out of reach: with \d+ intervals for 20 samp"
     ):
         fit_trajectory(t, q, smoothing=[10.0, 1e-6], joint_names=("a", "b"))
-    with pytest.raises(InputError, match="joint 1: smoothing = 0 rad must be positive; leave it out to interpolate"):
+    with pytest.raises(InputError, match=r"^smoothing = 0 rad must be greater than 0 rad; leave it out to interpolate"):
         fit_trajectory(t, q, smoothing=0.0)
     with pytest.raises(InputError, match="smoothing fits positions alone"):
         fit_trajectory(t, q, v=q, smoothing=0.1)

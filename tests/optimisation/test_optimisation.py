@@ -349,8 +349,14 @@ def fixed_blend(points: Array, times: Array) -> ps.Trajectory:
             lambda: ps.optimise_via_times(ps.septic, POINTS, TIMES, robot=ps.load_robot(), keep=["jerk"]),
             "no jerk limit of robot 'puma560' is known",
         ),
-        (lambda: ps.optimise_via_times(ps.septic, POINTS, TIMES, max_overshoot=-0.1), "must not be negative"),
-        (lambda: ps.optimise_via_times(ps.septic, POINTS, TIMES, restarts=1.5), "must be a whole number"),
+        (
+            lambda: ps.optimise_via_times(ps.septic, POINTS, TIMES, max_overshoot=-0.1),
+            "max_overshoot = -0.1 rad must be at least 0 rad",
+        ),
+        (
+            lambda: ps.optimise_via_times(ps.septic, POINTS, TIMES, restarts=1.5),
+            "restarts = 1.5: expected a whole number from 0 to 10000",
+        ),
         (lambda: ps.optimise_via_times(ps.septic, POINTS[:, :5], TIMES, robot=ps.load_robot()), "5 joints, but robot"),
         (lambda: ps.pareto_front(ps.septic, POINTS, TIMES, objectives=["overshoot"]), "2 to 3 are needed, got 1"),
         (
@@ -358,7 +364,7 @@ def fixed_blend(points: Array, times: Array) -> ps.Trajectory:
             "size = 2 must be at least 3",
         ),
         (lambda: ps.least_time(ps.septic, POINTS, TIMES), "without a limit there is no least time"),
-        (lambda: ps.least_time(ps.septic, POINTS, TIMES, max_jerk=0.0), r"max_jerk\[0\] = 0 must be positive"),
+        (lambda: ps.least_time(ps.septic, POINTS, TIMES, max_jerk=0.0), r"max_jerk = 0 must be greater than 0"),
         (
             lambda: ps.least_time(profiles.cubic_spline, POINTS, TIMES, max_jerk=5.0, restarts=0),
             "profile cubic_spline has unbounded derivatives that are limited",

@@ -92,7 +92,7 @@ REFUSED = {
     ),
     "no radius": (lambda: paths.circle(np.eye(4), centre=[0, 0, 1], axis=[0, 0, 1]), "lies on the axis"),
     "long zone": (lambda: paths.polyline(CORNERS, zone=0.6), "segment 2: its zones take 1.2 m of 1.118"),
-    "no zone": (lambda: paths.polyline(CORNERS, zone=[0.1, 0]), r"zone = 0 m at poses\[2\] must be positive"),
+    "no zone": (lambda: paths.polyline(CORNERS, zone=[0.1, 0]), r"poses\[2\]: zone = 0 m must be greater"),
     "back": (lambda: paths.polyline(CORNERS[[0, 1, 0]], zone=0.1), r"turns back on itself at poses\[1\]"),
     "no speed": (lambda: paths.at_speed(PATHS["line"], speed=0, acceleration=1), "speed = 0 m/s must be greater"),
     "no acceleration": (lambda: paths.at_speed(PATHS["line"], speed=1, acceleration=-1), "acceleration = -1"),

@@ -200,7 +200,7 @@ def test_missing_limits_are_named() -> None:
             double_s(points, **{key: value for key, value in LIMITS.items() if key != name})
         with pytest.raises(InputError, match=rf"double_s needs {name} in .*, which is unknown for joint 2"):
             double_s(points, **{**LIMITS, name: [1.0, np.nan]})
-        with pytest.raises(InputError, match=rf"joint 1: {name} = 0 must be positive"):
+        with pytest.raises(InputError, match=rf"^{name} = 0 must be greater than 0"):
             double_s(points, **{**LIMITS, name: 0.0})
     with pytest.raises(InputError, match=r"double_s needs max_jerk in .*, which is unknown for all joints"):
         double_s(points, **{**LIMITS, "max_jerk": [np.nan, np.nan]}, joint_names=["a", "b"])

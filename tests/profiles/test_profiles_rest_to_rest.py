@@ -164,7 +164,7 @@ def test_blends_refuse() -> None:
     for speed in (1.0, 2.5):
         with pytest.raises(InputError, match=r"joint 'waist': cruise_velocity = .* more than h/T = 1 and at most 2"):
             profiles.trapezoidal(points[:2], times[:2], cruise_velocity=speed, joint_names=("waist",))
-    with pytest.raises(InputError, match=r"blend_time of point 1 = 0 s must be positive"):
+    with pytest.raises(InputError, match=r"blend_time\[1\] = 0 s must be greater than 0 s; without blends"):
         profiles.polynomial_blends(points, times, blend_time=[0.1, 0.0, 0.1])
     with pytest.raises(InputError, match=r"degree = 4 is not one of 3, 5, 7, 9"):
         profiles.polynomial_blends(points, times, blend_time=0.1, degree=4)

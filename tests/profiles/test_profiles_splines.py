@@ -290,7 +290,7 @@ def test_bad_points_and_times(name: str) -> None:
         def make(points: object, times: Array) -> Trajectory:  # type: ignore[no-redef]
             return profiles.lspb(points, durations=np.diff(times), blend_time=0.1)  # type: ignore[arg-type]
 
-        equal = r"durations\[1\] = 0 s must be positive"
+        equal = r"durations\[1\] = 0 s must be greater than 0 s"
     else:
         equal = r"times: must increase strictly, but times\[1\] = 1 s is followed by 1 s"
     with pytest.raises(InputError, match=f"{name} needs (at least|exactly) [234] points, got 1"):

@@ -122,7 +122,7 @@ FAULTS = {
     "limit 0": (
         "{ shoulder = 40.0",
         "{ shoulder = 0",
-        r"\[limits.amplifier\]: effort limit\[0\] = 0 must be positive",
+        r"\[limits.amplifier\]: effort limit\[0\] = 0 must be greater than 0",
     ),
     "swapped": ("[-1.0, 1.0]", "[1.0, -1.0]", r"lower bound 1 is not below upper -1"),
     "default": (

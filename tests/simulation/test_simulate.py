@@ -279,7 +279,7 @@ def test_bad_input(puma: ps.Robot) -> None:
             r"delay = 0.0015 s is 1.5 control periods of 0.001 s; it must be a whole number",
         ),
         (lambda: ps.Controller(rate=np.inf, delay=0.001), r"has no delay, encoder or filter; give it a rate"),
-        (lambda: ps.Controller(bandwidth=0.0), r"bandwidth = 0 Hz must be above 0"),
+        (lambda: ps.Controller(bandwidth=0.0), r"bandwidth = 0 Hz must be greater than 0"),
         (lambda: ps.Controller(encoder_resolution=-1e-4), r"encoder_resolution = -0.0001 rad must be at least 0"),
         (lambda: ps.Controller(model="puma"), r"model: expected a Robot, got str"),
         (lambda: simulate_all(puma, []), r"a simulation needs at least one trajectory"),
@@ -301,7 +301,7 @@ def test_bad_input(puma: ps.Robot) -> None:
         ),
         (
             lambda: ps.ElasticJoints(stiffness=[1e3, -5.0], damping=[0.0, 0.0]),
-            r"stiffness\[1\] = -5 N m/rad must be above 0",
+            r"stiffness\[1\] = -5 N m/rad must be greater than 0",
         ),
         (
             lambda: ps.ElasticJoints(stiffness=[1e3], damping=[-1.0]),

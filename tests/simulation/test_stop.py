@@ -187,8 +187,8 @@ def test_bad_input(puma: ps.Robot) -> None:
         ),
         (lambda: ps.stop(motion, 1.0, category=0, brake_torque=10.0), r"category 0 needs reaction_time"),
         (
-            lambda: ps.stop(motion, 1.0, category=0, brake_torque=-1.0, reaction_time=0.0),
-            r"joint 'joint1': brake torque -1 N m must be at least 0",
+            lambda: ps.stop(motion, 1.0, category=0, brake_torque=[9.0] * 5 + [-1.0], reaction_time=0.0),
+            r"joint 'joint6': brake_torque = -1 N m must be at least 0",
         ),
         (lambda: ps.stop(motion, 1.0, category=2), r"category = 2: unknown; 0: power off at once"),
         (lambda: ps.stop(motion, 4.5), r"t = 4.5 s must be at most 4 s"),
@@ -198,8 +198,8 @@ def test_bad_input(puma: ps.Robot) -> None:
             r"needs the torque limit of every joint; not known of joint1",
         ),
         (lambda: stop_table(puma, load=-1.0), r"load = -1 kg must be at least 0"),
-        (lambda: stop_table(puma, load=1.0, fractions=(0.0,)), r"fractions = \[0.0\]: each must be above 0"),
-        (lambda: stop_table(puma, load=1.0, speed=0.0), r"speed = 0 rad/s must be above 0"),
+        (lambda: stop_table(puma, load=1.0, fractions=(0.0,)), r"fractions\[0\] = 0 must be greater than 0"),
+        (lambda: stop_table(puma, load=1.0, speed=0.0), r"speed = 0 rad/s must be greater than 0"),
         (
             lambda: stop_table(puma.with_limits(velocity=np.nan), load=1.0),
             r"needs the speed limit of each joint, or speed=; not known of joint1, joint2, joint3",

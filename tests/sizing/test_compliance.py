@@ -117,7 +117,7 @@ def test_no_backlash_is_no_shift() -> None:
     [
         ({"stiffness": [1e4, 2e4]}, "expected one stiffness, or K1, K2, K3"),
         ({"stiffness": [1e4, 2e4, 3e4], "stiffness_torques": [20.0, 10.0]}, "rising torques T1, T2"),
-        ({"stiffness": [-1e4]}, r"stiffness = \[-10000.0\] N m/rad: expected positive numbers"),
+        ({"stiffness": [-1e4]}, r"stiffness\[0\] = -10000 N m/rad must be greater than 0"),
         ({"backlash": -1.0}, "backlash = -1 rad"),
     ],
 )

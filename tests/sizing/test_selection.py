@@ -353,7 +353,7 @@ def test_messages() -> None:
     catalogue = ps.built_in_catalogue()
     with pytest.raises(ps.InputError, match="unknown rank 'price'; valid: 'mass', 'cost', 'margin'"):
         ps.size(cycle(), catalogue=catalogue, rank="price")  # type: ignore[call-overload]
-    with pytest.raises(ps.InputError, match="keep = 0: expected a number of pairs from 1"):
+    with pytest.raises(ps.InputError, match="keep = 0: expected a whole number from 1"):
         ps.size(cycle(), catalogue=catalogue, keep=0)
     with pytest.raises(ps.InputError, match="1 drivetrains for 6 joints"):
         ps.size(cycle(), catalogue=catalogue, drivetrains=[catalogue.drivetrain(0, 0)])

@@ -563,7 +563,7 @@ def test_a_taken_port_is_replaced_by_another() -> None:
 
 @pytest.mark.parametrize("port", [-1, 65536, 80.5, True, "7000"])
 def test_what_is_no_port_is_refused(port: Any) -> None:
-    with pytest.raises(ps.InputError, match=r"port = .* is not a whole number from 0 to 65535"):
+    with pytest.raises(ps.InputError, match=r"port = .*: expected a whole number from 0 to 65535"):
         serve_page("", port=port)
 
 

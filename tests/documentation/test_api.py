@@ -70,3 +70,23 @@ def test_every_public_function_says_what_it_returns(name: str) -> None:
     function = getattr(ps, name)
     returns_nothing = inspect.signature(function).return_annotation in (None, "None")
     assert returns_nothing or "\nReturns\n-------\n" in (inspect.getdoc(function) or "")
+
+
+def _callables() -> dict[str, Any]:
+    """What users call: public functions and classes, those of public rooms too."""
+    rooms = {"ps": ps} | {name: getattr(ps, name) for name in ps.__all__ if inspect.ismodule(getattr(ps, name))}
+    members = {f"{room}.{name}": getattr(module, name) for room, module in rooms.items() for name in module.__all__}
+    return {name: one for name, one in members.items() if inspect.isfunction(one) or inspect.isclass(one)}
+
+
+@pytest.mark.parametrize("name", [name for name, one in _callables().items() if not hasattr(one, "_fields")])
+def test_options_are_told_by_name(name: str) -> None:
+    """At most three arguments by place, of which a state (q, v, a or tau) is one; the rest by name alone.
+
+    In a neighbouring project a positional `limits` landed in a boolean, and the robot ran without limits.
+    """
+    parameters = inspect.signature(_callables()[name]).parameters.values()
+    by_place = [one for one in parameters if one.kind not in (one.KEYWORD_ONLY, one.VAR_KEYWORD, one.VAR_POSITIONAL)]
+    state = [one for one in by_place if one.name in ("q", "v", "a", "tau")]
+    assert len(by_place) - max(len(state) - 1, 0) <= 3
+    assert [one.name for one in by_place if one.kind is one.POSITIONAL_ONLY or isinstance(one.default, bool)] == []

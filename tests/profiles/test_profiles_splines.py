@@ -29,6 +29,17 @@ def cost(move: Trajectory, order: int) -> Array:
     return f.inner(f)
 
 
+@pytest.mark.parametrize(("name", "most"), [("single_polynomial", 200), ("bezier", 1000)])
+def test_as_many_points_as_are_promised(name: str, most: int) -> None:
+    """And none more; times that crowd at both ends, as Chebyshev's, are those that rounding bears."""
+    times = 1 - np.cos(np.pi * np.arange(most + 1) / most)
+    points = np.sin(3 * times)[:, None]
+    with pytest.raises(InputError, match=f"{name} takes at most {most} points, got {most + 1}"):
+        getattr(profiles, name)(points, times)
+    move = getattr(profiles, name)(points[:-1], 1 - np.cos(np.pi * np.arange(most) / (most - 1)))
+    assert len(move.points) == most
+
+
 def test_two_cubics_of_williams() -> None:
     # Williams 2013: 30 -> 180 -> 120 deg at 0, 1.5, 3 s; coefficients printed to two decimals.
     move = profiles.cubic_spline([[30.0], [180.0], [120.0]], [0.0, 1.5, 3.0])

@@ -151,6 +151,16 @@ def test_a_recorded_rest_is_found_to_a_tenth_of_the_rest_time() -> None:
     assert direction.coefficients[0, moving, 0].tolist() == [1.0] * int(moving.sum())
 
 
+@pytest.mark.parametrize(("wait", "resolution", "way"), [
+    (5e-4, 0.0, 0.0), (1e-2, 0.0, 0.0), (5e-4, 1e-3, 1.0), (0.09, 1e-3, 1.0), (0.2, 1e-3, 0.0)])  # fmt: skip
+def test_a_planned_wait_is_a_rest_and_equal_samples_are_not(wait: float, resolution: float, way: float) -> None:
+    """A plan that is constant rests, however briefly; a log may repeat a sample while the arm moves on."""
+    times = np.array([0.0, 1.0, 1.0 + wait, 2.0 + wait])
+    signal = ps.Piecewise.from_power(times, [[[0.0], [1.0], [1.0]], [[1.0], [0.0], [1.0]]])
+    direction = find_directions(signal, signal.extrema_and_turns(1)[1], np.array([resolution]))
+    assert direction([0.5, 1.0 + wait / 2, 1.5 + wait]).ravel().tolist() == [1.0, way, 1.0]
+
+
 def test_travel_at_the_resolution_of_any_motion_counts_as_rest() -> None:
     for size, expected in ((0.9 * STILL, 0.0), (1.1 * STILL, 1.0)):
         move = ps.quintic_segments([[0.3], [0.3 + size]], [0.0, 1.0])

@@ -170,6 +170,13 @@ def test_only_values_of_our_own_kinds_are_taken() -> None:
             robot.with_limits(velocity=wrong)  # type: ignore[arg-type]
 
 
+def test_what_a_robot_knows_of_its_joints_cannot_be_written_to(tmp_path: Path) -> None:
+    robot = load(tmp_path)
+    for array in (robot.is_continuous, robot.is_prismatic, robot.limits.velocity, robot.limits.position):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = True
+
+
 def test_what_is_given_by_joint_is_given_for_each(tmp_path: Path) -> None:
     robot, drive = load(tmp_path), ps.Actuator(gear_ratio=50.0)
     for n in (1, 3):

@@ -127,6 +127,22 @@ def test_packages_are_called_what_their_package_xml_says(tmp_path: Path) -> None
         assert (robot.missing_meshes, robot.visual_model.ngeoms) == ((), 1)
 
 
+@pytest.mark.parametrize(
+    "manifest",
+    [
+        "<package><name>mini</name>" + " " * 100_000 + "</package>",  # larger than any manifest
+        "<package><name>mini</package>",
+        "<package><title>mini</title></package>",
+        '<!DOCTYPE package [<!ENTITY n "mini">]><package><name>&n;</name></package>',
+    ],
+)
+def test_a_package_xml_that_cannot_be_trusted_names_no_package(tmp_path: Path, manifest: str) -> None:
+    home = package(tmp_path / "mini-main", "mini") / "urdf"
+    (tmp_path / "mini-main" / "package.xml").write_text(manifest)
+    (missing,) = load(home, arm("package://mini/meshes/a.stl")).missing_meshes
+    assert "package 'mini' was not found" in missing
+
+
 def test_meshes_beside_the_urdfs_folder_need_no_package(tmp_path: Path) -> None:
     (tmp_path / "robot" / "urdf").mkdir(parents=True)
     stl(tmp_path / "robot" / "meshes" / "a.stl")

@@ -115,6 +115,19 @@ def test_quick_cycles_of_a_planetary_gear_without_an_impact_factor_are_not_asses
         assert (joint.best is not None, bool(joint.is_undecided[0])) == (is_made, not is_made)
 
 
+def test_momentary_peaks_by_the_turns_in_each() -> None:
+    """Harmonic Drive, HFUS-2A, p. 19: 10^4 / (2 n t / 60), at most 10^4."""
+    allowed = ps.sizing.allowed_momentary_peaks
+    assert allowed(2 * np.pi * 50, 0.2) == pytest.approx(500.0, rel=1e-15)
+    assert allowed(2 * np.pi, 0.1) == 1e4
+    for speed, duration, message in (
+        (0.0, 0.1, "input_speed = 0 rad/s must be greater than 0"),
+        (1.0, 0.0, "duration = 0 s must be greater than 0"),
+    ):
+        with pytest.raises(ps.InputError, match=message):
+            allowed(speed, duration)
+
+
 def test_emergency_stops_by_kind_of_gear() -> None:
     """Planetary: 1000 (Beckhoff); strain wave: 10^4 over twice the turns of the input in each (CSD-2A p. 18)."""
     strain, planetary = (ps.Gearbox(ratio=100.0, kind=kind) for kind in ("strain wave", "planetary"))

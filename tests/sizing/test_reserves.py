@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.arms import pendulum
+from helpers.urdf_texts import load
 
 import puma_septic as ps
 from puma_septic.sizing import Conditions, largest_payload, least_cycle_time
@@ -57,6 +58,43 @@ def test_largest_payload_of_a_held_load(tmp_path: Path) -> None:
     held = ps.size(ps.Cycle(steps=(ps.compute_motion(arm, still),)), drivetrains=[train])
     heaviest = largest_payload(held, tolerance=TOLERANCE)
     assert heaviest.value == pytest.approx(0.5 * RATIO / (GRAVITY * 0.5 * np.sin(1.5)) - 2.0, rel=2 * TOLERANCE)
+
+
+@pytest.mark.parametrize("inertia", [0.0, 0.1])
+def test_a_payload_s_inertia_grows_with_its_mass(tmp_path: Path, inertia: float) -> None:
+    """Without gravity: ``(0.5 + m (0.25 + I / m_0)) a`` in kg m^2, to the default tolerance of a part in a thousand."""
+    body = ps.Payload(mass=2.0, com=(0.0, 0.0, -0.5), inertia=2.0 * inertia * np.eye(3))
+    arm = pendulum(tmp_path, gravity=(0.0, 0.0, 0.0)).with_payload(body)
+    move = ps.quintic_segments([[0.0], [1.0]], [0.0, 1.0], joint_names=arm.joint_names)
+    train = ps.Drivetrain(
+        motor=ps.Motor(rotor_inertia=0.0, peak_torque=1.0), gearbox=ps.Gearbox(ratio=RATIO, efficiency=1.0, inertia=0.0)
+    )
+    # The payload held in a dwell is that of the motion; it has no torque to hold here.
+    cycle = ps.Cycle(steps=(ps.compute_motion(arm, move), ps.Dwell(duration=0.5, payload=body)))
+    heaviest = largest_payload(ps.size(cycle, drivetrains=[train]))
+    expected = (RATIO / (10 / np.sqrt(3)) - INERTIA) / (0.25 + inertia)
+    assert expected / (1 + 1e-3) <= heaviest.value <= expected
+    assert heaviest.tolerance == 1e-3
+    carried = [heaviest.sizing.cycle.steps[0].robot.payload, heaviest.sizing.cycle.steps[1].payload]
+    for payload in carried:
+        assert payload.mass == heaviest.value
+        assert payload.inertia == pytest.approx(heaviest.value * inertia * np.eye(3))
+
+
+def test_where_nothing_is_carried_a_point_mass_is(tmp_path: Path) -> None:
+    """At rest, level and stretched out: links of 3 kg at 0.2 and 0.6 m, the tool at 0.7 m from the shoulder."""
+    arm = load(tmp_path, tool="tip")
+    still = ps.quintic_segments([[np.pi / 2, 0.0]] * 2, [0.0, 1.0], joint_names=arm.joint_names)
+    gearbox = ps.Gearbox(ratio=RATIO, efficiency=1.0, inertia=0.0)
+    shoulder = ps.Drivetrain(motor=ps.Motor(rotor_inertia=0.0, peak_torque=1.0), gearbox=gearbox)
+    elbow = ps.Drivetrain(motor=ps.Motor(rotor_inertia=0.0), gearbox=gearbox)
+    held = ps.size(ps.Cycle(steps=(ps.compute_motion(arm, still),)), drivetrains=[shoulder, elbow])
+    heaviest = largest_payload(held, tolerance=TOLERANCE)
+    assert heaviest.value == pytest.approx((RATIO - GRAVITY * 3.0 * 0.8) / (GRAVITY * 0.7), rel=2 * TOLERANCE)
+    assert (heaviest.governing.joint, heaviest.governing.quantity) == ("shoulder", "motor torque")
+    assert heaviest.to_dict()["governing"]["joint"] == "shoulder"
+    with pytest.raises(ps.InputError, match="tolerance = 0 must be greater than 0"):
+        largest_payload(held, tolerance=0.0)
 
 
 def test_drives_that_are_too_weak_are_told(tmp_path: Path) -> None:

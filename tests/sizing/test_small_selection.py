@@ -148,3 +148,45 @@ def test_the_elbow_s_drive_loads_the_shoulder_with_its_mass(placement: str, told
     light = ps.size(cases(), catalogue=catalogue(), masses=placement, own_masses=[1.0, 1.0])
     added = [one.best.mass - 1.0 for one in light.joints]
     assert light.notes[-1] == f"masses added: {added[0]:g}, {added[1]:g} kg"
+
+
+# ---- one sizing of several load cases
+
+
+def test_of_several_load_cases_each_joint_shows_the_one_that_uses_most() -> None:
+    """A rare case is none that a joint's means and its load profile are shown of."""
+    train = ps.Drivetrain(motor=catalogue().motors[3], gearbox=catalogue().gearboxes[1])
+    several = ps.size(cases(), drivetrains=[train] * 2)
+    assert set(several.telling_cases) <= {"quick", "heavy"}
+    for j, name in enumerate(JOINTS):
+        used = [c for c in several.checks if c.joint == name and c.case != "stop" and c.kind != "rule of thumb"]
+        case = max(used, key=lambda check: check.utilisation).case
+        assert several.telling_cases[j] == case
+        alone = ps.size(next(c.cycle for c in cases() if c.name == case), drivetrains=[train] * 2)
+        assert several.demands[j].rms_torque == alone.demands[j].rms_torque
+        profile = several.load_profile(name, step=0.1)
+        assert profile.time[-1] == alone.cycle.duration
+        assert profile.position == pytest.approx(alone.load_profile(name, step=0.1).position)
+    assert ps.size(cases()[0].cycle, drivetrains=[train] * 2).telling_cases == ("", "")
+
+
+def test_what_a_mix_draws_is_the_sum_by_shares() -> None:
+    """0.8 of the time the quick cycle, 0.2 the heavy one."""
+    motor = ps.Motor(rotor_inertia=1e-4, torque_constant=0.1, resistance=0.5, copper_coefficient=0.0)
+    train = ps.Drivetrain(motor=motor, gearbox=ps.Gearbox(ratio=50.0, efficiency=0.8))
+    quick, heavy = (
+        sum(one.mean_drawn_power for one in ps.size(case.cycle, drivetrains=[train] * 2).demands)
+        for case in cases()[:2]
+    )
+    several = ps.size(cases(), drivetrains=[train] * 2)
+    assert several.mean_drawn_power == pytest.approx(0.8 * quick + 0.2 * heavy, rel=1e-9)
+
+
+def test_the_document_of_a_supply_has_its_checks_alone() -> None:
+    motor = ps.Motor(rotor_inertia=1e-4, torque_constant=0.1, resistance=0.5, max_speed=900.0)
+    train = ps.Drivetrain(motor=motor, gearbox=ps.Gearbox(ratio=50.0, efficiency=0.8))
+    conditions = ps.sizing.Conditions(supply=ps.Supply(peak_power=1e5))
+    supply = ps.size(cases(), drivetrains=[train] * 2, conditions=conditions).to_dict()["supply"]
+    assert {check["joint"] for check in supply["checks"]} == {"supply"}
+    assert [check["limit"] for check in supply["checks"]] == [1e5]
+    assert ps.size(cases(), drivetrains=[train] * 2).to_dict()["supply"] is None

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from helpers.arms import EXAMPLES
 from helpers.six_axis_arms import arm
+from helpers.urdf_texts import load
 
 import puma_septic as ps
 from puma_septic.document import numeric
@@ -88,6 +89,16 @@ def test_an_arm_that_hangs_below_its_base_is_remarked_and_with_a_floor_checked()
     assert not ps.assess(robot, move, floor=0.0).is_feasible
     with pytest.raises(ps.InputError, match="floor"):
         ps.assess(robot, move, floor=np.nan)
+
+
+def test_how_low_an_arm_hangs_is_told(tmp_path: Path) -> None:
+    """The shoulder is 0.5 m above the base, the tool 0.7 m from the shoulder; it hangs straight down half-way."""
+    robot = load(tmp_path, tool="tip")
+    move = ps.quintic_segments([[np.pi - 1, 0.0], [np.pi + 1, 0.0]], [0, 1])
+    told = [remark for remark in ps.assess(robot, move).remarks if "hangs low" in remark]
+    assert told == ["the arm hangs low: tip comes 0.2 m below the base, at 0.500 s; a floor would forbid it"]
+    level = ps.quintic_segments([[np.pi / 2, 0.0], [1.0, 0.0]], [0, 1])
+    assert not any("hangs low" in remark for remark in ps.assess(robot, level).remarks)
 
 
 def test_a_tasks_floor_holds_along_its_motion() -> None:

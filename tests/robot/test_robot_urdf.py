@@ -303,6 +303,11 @@ def test_everything_wrong_is_told_at_once(tmp_path: Path) -> None:
         assert part in message
 
 
+def test_five_megabytes_are_read(tmp_path: Path) -> None:
+    """One byte more is refused, see above."""
+    assert load(tmp_path, ARM + " " * (5_000_000 - len(ARM))).joint_names == ("shoulder", "elbow")
+
+
 @pytest.mark.parametrize("faults", [20, 25])
 def test_of_many_faults_twenty_are_told(tmp_path: Path, faults: int) -> None:
     odd = "".join(f'<lnik name="l{k}"/>' for k in range(faults))

@@ -56,6 +56,19 @@ def test_the_tool_is_where_a_tool_is_mounted(tmp_path: Path, names: list[str], m
     assert not robot.with_tool("l2").tool_is_chosen
 
 
+@pytest.mark.parametrize("first", ["hand", "probe"])
+def test_an_arm_on_a_rail_is_none_that_slides_its_tool(tmp_path: Path, first: str) -> None:
+    """Of two ends as far out the one behind a sliding joint is not the tool; the rail below both does not matter."""
+    ends = {
+        "hand": joint("j3", "revolute", "l2", "hand", [0, 0, 0.3], [1, 0, 0]),
+        "probe": joint("z", "prismatic", "l2", "probe", [0, 0, 0.3], [0, 0, 1]),
+    }
+    names = sorted(ends, key=lambda name: name != first)
+    rail = arm(*names).replace('name="j1" type="revolute"', 'name="j1" type="prismatic"')
+    assert rail != arm(*names)
+    assert load(tmp_path, "arm", rail + "".join(ends[name] for name in names)).tool == "hand"
+
+
 @pytest.mark.parametrize(
     ("name", "tool"),
     [("panda", "panda_hand_tcp"), ("kinova", "j2s6s200_end_effector"), ("ur5", "tool0"), ("so100", "gripper"),

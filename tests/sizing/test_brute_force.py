@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from helpers.arms import joint, link, load
 from helpers.brute_force import TOO_CLOSE, lacks, stresses
+from helpers.urdf_texts import ARM
 
 import puma_septic as ps
 from puma_septic.drives import LinearStage
@@ -250,6 +251,21 @@ def assert_ranked(
         assert first < second or (first == second and use <= more * (1 + TOO_CLOSE))
     for candidate, k in zip(kept, rows, strict=True):
         assert candidate.stress == pytest.approx(stress[k], rel=TOO_CLOSE)
+
+
+@cache
+def small_cases() -> tuple[ps.sizing.LoadCase, ...]:
+    """The same of an arm of two joints, which is quick."""
+    path = Path(tempfile.mkdtemp(), "arm.urdf")
+    path.write_text(ARM, encoding="utf-8")
+    return cases_of({"robot": {"source": str(path), "tool": "tip"}}, [0.2, 0.1], [1.4, 0.9])
+
+
+@pytest.mark.parametrize("seed", [4, 6])
+def test_a_few_pairs_of_a_small_arm_are_judged_as_by_samples(seed: int) -> None:
+    found = compared(10 + seed, small_cases(), 4, 3, range(2), None)
+    assert (found.total, found.different) == (24, 0)
+    assert found.close < 0.1 * found.total
 
 
 @pytest.mark.slow

@@ -107,6 +107,44 @@ def test_the_lightest_is_chosen_and_the_front_is_what_none_beats() -> None:
         assert {(c.motor, c.gearbox) for c in joint.front()} == best
 
 
+def test_the_front_of_the_arm_is_that_of_all_combinations() -> None:
+    """Masses and costs add up, the largest use counts."""
+    points = np.array(
+        [
+            (sum(c.mass for c in chosen), sum(c.cost for c in chosen), max(c.stress for c in chosen))
+            for chosen in product(*(joint.kept for joint in selection().joints))
+        ]
+    )
+    beaten = [((points <= one).all(axis=1) & (points < one).any(axis=1)).any() for one in points]
+    front = selection().front()
+    found = [(choice.mass, choice.cost, choice.stress) for choice in front]
+    assert found == sorted(found)
+    np.testing.assert_allclose(found, np.unique(points[~np.array(beaten)].round(9), axis=0), rtol=1e-8)
+    for choice in front:
+        tightest = max(choice.candidates, key=lambda candidate: candidate.stress)
+        assert (choice.margin, choice.stress) == (tightest.margin, tightest.stress)
+        for joint, candidate in zip(selection().joints, choice.candidates, strict=True):
+            assert joint.why(candidate.motor, candidate.gearbox).endswith("is strong enough")
+
+
+def test_the_table_of_a_selection_has_a_row_for_each_pair_that_is_kept() -> None:
+    table = selection().to_dataframe()
+    pairs = [(joint.joint, c.motor, c.gearbox) for joint in selection().joints for c in joint.kept]
+    assert list(zip(table["joint"], table["motor"], table["gearbox"], strict=True)) == pairs
+    assert repr(selection()).startswith(
+        "<Selection: robot arm, pairs 16, ranked by mass, verdict a pair that is strong"
+    )
+
+
+def test_what_cannot_be_chosen_from_is_refused() -> None:
+    with pytest.raises(ps.InputError, match="catalogue: expected a Catalogue, as load_catalogue returns it, got 'x'"):
+        ps.size(cases(), catalogue="x")  # type: ignore[call-overload]
+    with pytest.raises(ps.InputError, match="unknown placement of masses 'behind'; valid: 'before', 'at'"):
+        ps.size(cases(), catalogue=catalogue(), masses="behind")  # type: ignore[call-overload]
+    with pytest.raises(ps.InputError, match=r"gear ratio of joint 'elbow' is not known; give gearbox\.ratio"):
+        ps.size(cases(), drivetrains=[ps.Drivetrain(gearbox=catalogue().gearboxes[0]), ps.Drivetrain()])
+
+
 @pytest.mark.parametrize("rank", ["mass", "cost", "margin"])
 def test_one_size_for_both_joints_is_the_best_that_is_strong_enough_at_both(rank: str) -> None:
     chosen = ps.size(cases(), catalogue=catalogue(), same=[JOINTS], rank=rank)
@@ -180,6 +218,21 @@ def test_what_a_mix_draws_is_the_sum_by_shares() -> None:
     )
     several = ps.size(cases(), drivetrains=[train] * 2)
     assert several.mean_drawn_power == pytest.approx(0.8 * quick + 0.2 * heavy, rel=1e-9)
+
+
+def test_without_time_constants_the_mean_rise_is_that_of_the_mean_loss() -> None:
+    """``R_th R i^2`` with the resistance at the ambient: 2 ohm at 20 degrees are 2.4 at 70, with 0.004 per K."""
+    motor = ps.Motor(
+        rotor_inertia=1e-4, torque_constant=0.1, resistance=2.0, copper_coefficient=0.004, reference_celsius=20.0,
+        thermal_resistances=[0.5, 1.0], max_winding_celsius=155.0,
+    )  # fmt: skip
+    train = ps.Drivetrain(motor=motor, gearbox=ps.Gearbox(ratio=50.0, efficiency=0.8), ambient_celsius=70.0)
+    sizing = ps.size(cases()[0].cycle, drivetrains=[train] * 2)
+    for name, demands in zip(JOINTS, sizing.demands, strict=True):
+        rise = 1.5 * 2.4 * (demands.rms_torque / 0.1) ** 2
+        assert demands.mean_temperature_rise == pytest.approx(rise, rel=1e-12)
+        (check,) = [c for c in sizing.checks if c.joint == name and c.quantity == "mean winding temperature rise"]
+        assert (check.demand, check.limit) == pytest.approx((rise, 155.0 - 70.0), rel=1e-12)
 
 
 def test_the_document_of_a_supply_has_its_checks_alone() -> None:

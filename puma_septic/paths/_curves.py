@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from puma_septic.errors import InputError, PumaSepticError
+from puma_septic.errors import InputError
 from puma_septic.kinematics import checked_poses
 from puma_septic.paths._fitting import fit_state
 from puma_septic.paths._path import Path
@@ -264,11 +264,12 @@ def _round_position(centre: Array, x: Array, y: Array, radius: float, length: fl
         around = [(c * x + s * y), (c * y - s * x) / radius]
         return np.stack([centre + around[0], around[1], -around[0] / radius**2, -around[1] / radius**2])
 
-    return fit_state(sample, np.array([0.0, length]), _not_smooth)
+    def too_long(_: float) -> InputError:
+        return InputError(
+            f"angle = {length / radius:g} rad: more turns than one path can hold; follow fewer, repeatedly"
+        )
 
-
-def _not_smooth(s: float) -> PumaSepticError:
-    return PumaSepticError(f"the path is not smooth at s = {s:.9g} m")
+    return fit_state(sample, np.array([0.0, length]), too_long)
 
 
 def _check_agrees(kind: str, orientation: str, reached: Array, final: Array) -> None:

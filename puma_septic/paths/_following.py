@@ -39,11 +39,14 @@ def _out_of_reach(path: Path, s: float, q: Array, distance: float, held: str) ->
     )
 
 
-def singular(path: Path, s: float, q: Array, robot: Robot, held: str) -> NoSolution:
+def singular(path: Path, s: float, q: Array, follower: Follower, held: str) -> NoSolution:
     """The path meets a singular posture: two branches, or all turns of a joint, are one there."""
-    measures = singularity_distances(robot, q[None])[0]
-    nearest = int(np.argmin(np.abs(measures)))
-    name, measure = singularity_names(robot)[nearest], float(measures[nearest])
+    if follower.conditions == 6:
+        measures = singularity_distances(follower.robot, q[None])[0]
+        nearest = int(np.argmin(np.abs(measures)))
+        name, measure = singularity_names(follower.robot)[nearest], float(measures[nearest])
+    else:  # what the arm could do to an orientation that is left free does not count
+        name, measure = "least singular value of the position's Jacobian", float(follower.inverse(q[None])[1][0])
     return NoSolution(
         f"{path.kind}{held}: meets a singularity {_place(path, s)} ({name} {measure:.3g}, zero where singular), where"
         " joints would have to move without bound; tilt the tool, shift the path aside, or pass there by a joint move",
@@ -105,7 +108,7 @@ def track(follower: Follower, path: Path, start: Array, held: str) -> Piecewise:
         if step is None:
             length = (right - left) / 2
             if length < _SHORTEST_STEP * path.length:
-                raise singular(path, left, q, follower.robot, held)
+                raise singular(path, left, q, follower, held)
             continue
         q, residual = follower.polished(step.sum(axis=0)[None], path.frames(np.array([right])))
         if residual[0] > _OFF:
@@ -222,7 +225,8 @@ class Branches:
             gaps = np.where(wide, np.diff(s), np.inf)
             if gaps.min() < _SMALLEST * self.path.length:
                 tight = int(np.argmin(gaps))
-                raise singular(self.path, float(s[tight]), q[tight], self.robot, held)
+                follower = Follower(robot=self.robot, conditions=6, rank=6)
+                raise singular(self.path, float(s[tight]), q[tight], follower, held)
             s, q, exists = self._refined(k, s, q, exists, np.flatnonzero(wide))
 
     def _refined(

@@ -215,11 +215,11 @@ def _fitted(
         slopes, size = follower.rates(q, rates)
         if size.min() < _SINGULAR:
             first = int(np.argmin(size))
-            raise singular(path, float(s[first]), q[first], follower.robot, held)
+            raise singular(path, float(s[first]), q[first], follower, held)
         return np.concatenate([q[None], slopes])
 
     def refusal(s: float) -> NoSolution:
-        return singular(path, s, guide(np.array([s]))[0], follower.robot, held)
+        return singular(path, s, guide(np.array([s]))[0], follower, held)
 
     return fit_state(sample, ends, refusal)
 

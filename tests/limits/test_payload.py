@@ -154,6 +154,8 @@ def test_the_polygon_holds_and_no_more(puma: ps.Robot, rng: np.random.Generator)
         ps.payload_polygon(puma, poses, direction=(0, 0, 0))
     with pytest.raises(ps.NoSolution, match="pose 0: joint2 needs"):
         ps.payload_polygon(puma.with_limits(effort=np.array([56, 1, 52, 10, 10, 10])), np.zeros((1, 6)))
+    with pytest.raises(ps.InputError, match="no joint with a known torque limit bears the payload in these poses"):
+        ps.payload_polygon(puma.with_limits(effort=np.full(6, np.nan)), poses)
 
 
 def test_a_diagram_over_motions_is_the_least_of_their_payloads(puma: ps.Robot) -> None:

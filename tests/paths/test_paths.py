@@ -8,6 +8,7 @@ import pytest
 import puma_septic as ps
 from puma_septic import paths
 from puma_septic.errors import InputError
+from puma_septic.paths import _fitting
 from puma_septic.validation import Array
 
 
@@ -97,6 +98,23 @@ REFUSED = {
     "no speed": (lambda: paths.at_speed(PATHS["line"], speed=0, acceleration=1), "speed = 0 m/s must be greater"),
     "no acceleration": (lambda: paths.at_speed(PATHS["line"], speed=1, acceleration=-1), "acceleration = -1"),
     "not rigid": (lambda: paths.line(2 * np.eye(4), np.eye(4)), "T_from"),
+    "far from rigid": (lambda: paths.line(np.diag([3.0, 1, 1, 1]), np.eye(4)), "T_from: not a rigid transf.* by 8 "),
+    "no axis": (lambda: paths.circle(np.eye(4), centre=[1, 0, 0], axis=[0, 0, 0]), r"axis = \[0, 0, 0\] has no direct"),
+    "no angle": (
+        lambda: paths.circle(np.eye(4), centre=[1, 0, 0], axis=[0, 0, 1], angle=0), "angle = 0 rad: the circle has no"
+    ),
+    "many turns": (
+        lambda: paths.circle(np.eye(4), centre=[1, 0, 0], axis=[0, 0, 1], angle=1e5),
+        "angle = 100000 rad: more turns than one path can hold",
+    ),
+    "no turn axis": (
+        lambda: paths.line(np.eye(4), HALF, turn_axis=[0, 0, 0]), r"turn_axis = \[0, 0, 0\] has no direction"
+    ),
+    "two poses": (lambda: paths.polyline(CORNERS[:2], zone=0.1), "at least 3 poses, got 2; for 2 use line"),
+    "twice": (
+        lambda: paths.polyline(CORNERS[[0, 1, 1]], zone=0.1),
+        r"poses\[1\] and poses\[2\] have the same position, \[1.0, 0.0, 0.0\] m",
+    ),
     "beyond": (lambda: PATHS["line"].frames(0.6), r"s = 0.6 m is outside the path, \[0, 0.5\] m"),
 }  # fmt: skip
 
@@ -106,6 +124,19 @@ def test_bad_input_is_refused_with_what_would_be_valid(case: str) -> None:
     make, message = REFUSED[case]
     with pytest.raises(InputError, match=message):
         make()
+
+
+def test_a_fit_that_does_not_end_says_where(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Corners that turn back and laws with steps are refused before; here the fit may halve no interval."""
+    robot = ps.load_robot()
+    pose = ps.forward_kinematics(robot, [0, 0.5, -2.5, 0, 0.7, 0])
+    way = paths.follow(robot, paths.line(pose, pose[:3, 3] + [0, 0.3, 0]))
+    monkeypatch.setattr(_fitting, "_SMALLEST", 4.0)
+    with pytest.raises(ps.PumaSepticError, match=r"the blend of a corner is not smooth at s = 0 m"):
+        paths.polyline(CORNERS, zone=0.3)
+    law = ps.septic([[0.0], [0.1], [0.2], [0.3]], [0.0, 1.0, 2.0, 3.0])
+    with pytest.raises(ps.PumaSepticError, match="the law of time is not smooth at t = 0 s and needs a break there"):
+        paths.timed(way, law)
 
 
 def test_laws_of_speed_have_ramps_and_a_cruise_or_two_ramps() -> None:

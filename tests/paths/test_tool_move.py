@@ -216,13 +216,53 @@ def test_refusals_say_where_by_how_much_and_what_would_help(planar: ps.Robot) ->
     start = np.eye(4)
     start[:3, 3] = [0, 1.5, 0]
     out = paths.line(start, [0, 2.5, 0])
-    with pytest.raises(NoSolution, match=r"meets a singularity at s = 0\.(49|5)"):
+    with pytest.raises(NoSolution, match=r"at s = 0\.(49|5).*least singular value of the position's .* zero") as met:
         paths.follow(planar, out, start=two_link(np.array(0.0), np.array(1.5)), constrain="position")
+    assert met.value.residual < 0.01  # it was the manipulability of the whole pose, which is 1 there
+    held = ps.forward_kinematics(planar, [0.3, 0.9])
+    with pytest.raises(
+        NoSolution, match=r"leaves the path at s = .* m or rad off\).*'position' leaves the orientation"
+    ):
+        paths.follow(planar, paths.line(held, held[:3, 3] + [0.1, 0.2, 0]), start=[0.3, 0.9])
     with pytest.raises(InputError, match=r"planar has no closed form here, .* give start"):
         paths.follow(planar, out, constrain="position")
     short = paths.line(pose, pose[:3, 3] + [0, 0.1, 0])
     with pytest.raises(InputError, match=r"leads from 0 m to 1 m; the path needs 0 to 0\.1 m"):
         ps.tool_move(robot, short, ps.quintic_segments([[0.0], [1.0]], [0, 1.0]))
+    with pytest.raises(InputError, match=r"leaves the path: it reaches from .* m to 0\.2 m of \[0, 0\.1\] m"):
+        ps.tool_move(robot, short, ps.quintic_segments([[0.0], [0.2], [0.1]], [0, 1.0, 2.0]))
+    with pytest.raises(InputError, match="law: 2 components; a law of time has one, the distance covered in m"):
+        ps.tool_move(robot, short, ps.quintic_segments([[0.0, 0.0], [0.1, 0.1]], [0, 1.0]))
+    with pytest.raises(InputError, match="branch = 'up': puma560 has no named branches here; give a start posture"):
+        paths.follow(robot, short, branch="up", constrain="position")
+
+
+def test_what_lies_between_the_first_places_is_seen() -> None:
+    """A branch is looked at in 33 places; here it is lost, or one with another, in a thousandth of the path."""
+    arm = ps.load_robot(tool="wrist_center")
+    free = arm.with_limits(position=np.full((6, 2), [-7.0, 7.0]))
+    # The first axis, shoulder and wrist centre's offset by Corke's table; reach is that of the stretched arm.
+    reach, (x, y, z) = 0.4318 + np.hypot(0.0203, 0.4318), (0.0, -0.15005, 0.67183)
+    start = ps.forward_kinematics(free, [0, 0.2, 0.3, 0.1, 0.8, 0.3])
+    start[:3, 3] = [x + reach - 0.4 + 1e-5, y, z]
+    round_ = paths.circle(start, centre=[x + reach - 0.2 + 1e-5, y, z], axis=[0, 1, 0], angle=6.0)
+    with pytest.raises(NoSolution, match=r"the arm leaves the path at s = 0\.6[23]\d* m of 1\.2 m.* out of its reach"):
+        paths.follow(free, round_, branch="left-down-noflip")
+    ends = [ps.forward_kinematics(free, q) for q in ([0, 0.5, -2.5, 0, 0.3, 0], [0, 0.6, -2.6, 0, -0.3, 0])]
+    with pytest.raises(
+        NoSolution, match=r"meets a singularity at s = 0\.021.* \(wrist -?\d.*e-\d+, zero where singular"
+    ):
+        paths.follow(free, paths.line(*ends), branch="right-up-noflip")
+
+
+def test_a_path_that_starts_at_the_stretched_elbow_is_refused() -> None:
+    arm = ps.load_robot(tool="wrist_center").with_limits(position=np.full((6, 2), [-7.0, 7.0]))
+    start = ps.forward_kinematics(arm, [0, 0, np.arctan2(0.0203, 0.4318) - np.pi / 2, 0.2, 0.8, 0.3])
+    inwards = paths.line(start, start[:3, 3] - [0.2, 0, 0])
+    with pytest.raises(NoSolution, match=r"meets a singularity at s = 0 m of 0\.2 m.* \(elbow .*, zero where singular"):
+        paths.follow(arm, inwards, branch="right-up-noflip")
+    with pytest.raises(InputError, match="trajectory: 1 joints, puma560 has 6"):
+        paths.tool_rates(arm, ps.quintic_segments([[0.0], [1.0]], [0.0, 1.0]))
 
 
 def test_a_joint_limit_is_refused_with_joint_place_and_bound() -> None:
@@ -231,3 +271,11 @@ def test_a_joint_limit_is_refused_with_joint_place_and_bound() -> None:
     axis = paths.circle(pose, centre=[0, 0, 0], axis=[0, 0, 1], angle=0.5, orientation="tangent")
     with pytest.raises(NoSolution, match=r"joint 'joint1': 2\.\d+ rad is outside \[-2.79253, 2.79253\] rad at s = "):
         paths.follow(robot, axis, branch="right-up-noflip")
+    pose = ps.forward_kinematics(robot, [-0.2, 0.5, -2.5, 0, 0.7, 0])
+    across = paths.line(pose, pose[:3, 3] + [0, 0.3, 0])
+    inside = paths.follow(robot, across).position.extrema()
+    bounds = np.array(robot.limits.position)
+    bounds[1] = [-2.9, inside.max[1] - 1e-7]  # the joint's largest angle lies between the places looked at first
+    assert 0 < inside.t_max[1] < across.length
+    with pytest.raises(NoSolution, match=r"joint 'joint2': 0\.6\d+ rad is outside \[-2\.9, 0\.6"):
+        paths.follow(robot.with_limits(position=bounds), across, branch="right-up-noflip")

@@ -315,6 +315,10 @@ def test_bad_input(puma: ps.Robot) -> None:
             lambda: ps.simulate(puma, ps.quintic_segments([[0.0], [1.0]], [0.0, 1.0])),
             r"the trajectory has 1 joints, robot 'puma560' has 6",
         ),
+        (
+            lambda: simulate_all(puma, [move()], elastic=2 * [ps.ElasticJoints(stiffness=[1e3], damping=[1.0])]),
+            "elastic: 2 given for 1 trajectories",
+        ),
     ):
         with pytest.raises(ps.InputError, match=message):
             wrong()

@@ -234,6 +234,12 @@ def test_maps_and_summaries_answer_the_usual_questions(tmp_path: Path) -> None:
         ({"axes": {"payload": [-1]}}, "axis 'payload': -1 must be at least 0"),
         ({"axes": {"payload": ["heavy"]}}, "axis 'payload': expected a finite number, got 'heavy'"),
         ({"axes": {"payload": {"from": 0, "to": 1, "steps": 3}}}, "unknown 'steps'; valid: from, to, count, spacing"),
+        ({"axes": {"name.x": [1]}}, "axis 'name.x': the task has no place inside 'name'"),
+        ({"axes": {"name.x.y": [1]}}, "axis 'name.x.y': the task has no 'x' there, in 'name.x.y'"),
+        (
+            {"axes": {"payload": {"from": 2, "to": 1}}, "sampling": {"latin_hypercube": 3}},
+            "axis 'payload': from = 2 is not below to = 1",
+        ),
         ({"axes": {"payload": {"from": 0, "to": 1, "count": 0}}}, "count = 0: expected a whole number from 1"),
         ({"axes": {"payload": {"from": 0, "to": 1, "count": 2, "spacing": "geometric"}}}, "needs positive ends"),
         ({"columns": ["feasable"]}, "columns: unknown 'feasable'; valid: feasible, .* did you mean 'feasible'"),

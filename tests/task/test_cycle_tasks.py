@@ -237,6 +237,12 @@ FAULTS = [
     ([{"to": "pick", "move": "line", "zone": 0.1}], r"cycle\[0\]: zone: a line to one point has no corner"),
     ([{"to": ["pick", "side"], "duration": 1}], r"cycle\[0\]: duration: 2 points need durations"),
     ([{"to": ["pick", "side"], "durations": [1]}], r"cycle\[0\]: durations: 1 durations for 2 points"),
+    ([{"to": "pick", "duration": 1, "durations": [1]}], r"cycle\[0\].*: needs duration or durations, not both"),
+    (
+        [{"to": ["pick", "side"], "move": "line", "duration": 1}],
+        r"cycle\[0\].*: duration: this line stops at its corners, so give speed and acceleration, or round them: zone",
+    ),
+    ([{"to": "pick", "move": "line", "duration": 1, "speed": 1}], r"cycle\[0\].*: speed: of no effect here; "),
     (
         [{"to": "pick", "move": "spline", "duration": 1}],
         r"cycle\[0\]\.move: expected 'joint', 'line' or 'arc', got 'spline'",
@@ -272,6 +278,13 @@ def test_faults_of_a_cycle(steps: list[Any], message: str) -> None:
 def test_what_does_not_go_with_a_cycle(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(ps.InputError, match=message):
         make_task({**JOB, "cycle": [{"to": "pick", "move": "line"}, "back"], **changes})
+
+
+def test_what_a_task_without_a_cycle_needs() -> None:
+    with pytest.raises(ps.InputError, match="defaults, repeat: only beside a cycle"):
+        make_task({**JOB, "repeat": False})
+    with pytest.raises(ps.InputError, match="profiles is missing"):
+        make_task({key: value for key, value in JOB.items() if key != "defaults"})
 
 
 def test_all_faults_of_a_cycle_are_told_with_their_lines() -> None:

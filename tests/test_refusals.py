@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib.figure
+import numpy as np
 import pinocchio as pin
 import pytest
 from helpers.ros_messages import small_move
@@ -20,12 +21,14 @@ from puma_septic import plots
 from puma_septic.cli import main
 from puma_septic.files import sha256_of
 from puma_septic.kinematics._chain import _axis
+from puma_septic.limits import payload_and_duration, payload_diagram
 from puma_septic.outputs import write_file
 from puma_septic.ros import read_joint_state
 from puma_septic.testing import assert_trajectory_ok
 from puma_septic.viewer import _server as server
 
 ROBOT = ps.load_robot()
+MOTION = ps.compute_motion(ROBOT, small_move(ROBOT))
 MOTOR = ps.Motor(name="M", rotor_inertia=1e-4, peak_torque=1.0, continuous_torque=0.5, max_speed=400.0)
 GEARBOX = ps.Gearbox(name="G", ratio=100.0, efficiency=0.8)
 ONE_JOINT = ps.Limits(position=[[-1.0, 1.0]], velocity=[1.0], acceleration=[1.0], jerk=[1.0], effort=[1.0])
@@ -54,6 +57,22 @@ SKEW = [[1.0, 0.1, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
         (lambda: write_file("a\0b", ""), r"'a\\x00b': cannot be written: .*embedded null"),
         (lambda: sha256_of(Path("none")), "none: cannot be read: .*No such file"),
         (lambda: ps.load_task(f"{300 * 'a'}.yaml"), "cannot read this task file: .*name too long"),
+        (lambda: ps.Drivetrain(with_brake=1), "with_brake = 1: expected True or False"),  # type: ignore[arg-type]
+        (lambda: ps.assess(MOTION, tool_limits=0.25), r"tool_limits: expected paths\.ToolLimits, got 0\.25"),
+        (
+            lambda: ps.assess_cycle(ps.Cycle(steps=[MOTION]), names=["there", "back"]),
+            "names: 2 names for 1 steps; one for each is needed",
+        ),
+        (lambda: MOTION.torque.stepwise(np.ones((9, 1))), r"values: shape \(9, 1\) is not \(1, p\), a row for each int"),
+        (lambda: payload_diagram([], [0.1]), "motions: at least one is needed"),
+        (lambda: payload_diagram(MOTION, [0.1], direction=[0, 0, 0]), "direction: expected three numbers, not all 0"),
+        (lambda: payload_and_duration(MOTION, [1.0, 2.0], [0.5]), "2 durations and 1 masses: expected one of each"),
+        (lambda: ps.within_limits("septic", [[0.0]], max_velocity=1.0), "septic needs at least 2 points, got 1"),
+        (
+            lambda: ps.within_limits("trapezoidal", [[0.0], [1.0], [1.0]], max_velocity=1.0, max_acceleration=1.0),
+            "trapezoidal: points 1 and 2 are the same, so that any duration is long enough",
+        ),
+        (lambda: ps.acceleration_limits(ROBOT, speeds=-1.0), r"speeds = -1\.0: magnitudes cannot be negative"),
     ],
 )  # fmt: skip
 def test_values_and_files(call: Callable[[], Any], message: str) -> None:
@@ -66,6 +85,7 @@ def test_values_and_files(call: Callable[[], Any], message: str) -> None:
     [
         ('tool = "tip"', "tool = 5", r"tool = 5 is not text"),
         ("xyz = [0.0, 0.0, 0.45]", "", r"origins\.elbow: xyz is missing"),
+        ("origins.elbow", "origins.wrist", r"arm\.toml: unknown joint 'wrist'; valid: shoulder, elbow, mount"),
     ],
 )
 def test_actuator_files(old: str, new: str, message: str, tmp_path: Path) -> None:
@@ -76,6 +96,24 @@ def test_actuator_files(old: str, new: str, message: str, tmp_path: Path) -> Non
 def test_an_actuator_file_without_a_set(tmp_path: Path) -> None:
     with pytest.raises(ps.ModelError, match=r"neither drives nor limits; expected a table \[parameters\.NAME"):
         load(tmp_path, drives='schema = 1\nrobot = "arm"\n')
+
+
+def test_an_actuator_file_that_is_no_utf8(tmp_path: Path) -> None:
+    (tmp_path / "arm.toml").write_bytes(DRIVES.replace("catalogue", "für").encode("latin-1"))
+    with pytest.raises(ps.ModelError, match=r"arm\.toml, line 7: this actuator file is not UTF-8 text \(invalid"):
+        load(tmp_path, actuators=tmp_path / "arm.toml")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('"0 0 0.5"', '"0 0 0.5" quat_xyzw="0 0 0 2"', "quat_xyzw='0 0 0 2': its norm is 2, not 1"),
+        ("ixy=", "iyx=", "<inertia> of link 'upper': unknown attribute 'iyx'; did you mean 'ixy'"),
+    ],
+)
+def test_urdf_files(old: str, new: str, message: str, tmp_path: Path) -> None:
+    with pytest.raises(ps.ModelError, match=message):
+        load(tmp_path, replaced(old, new))
 
 
 def test_joints_that_no_urdf_has() -> None:

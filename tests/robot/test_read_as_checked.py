@@ -66,6 +66,10 @@ LIES: dict[str, tuple[Callable[[pin.Model], None], str]] = {
         lambda model: setattr(model.inertias[1], "inertia", np.zeros((3, 3))),
         "of the body of joint 'shoulder' Pinocchio reads an inertia .* 0.12 instead of 0.22 ",
     ),
+    "joints": (
+        lambda model: model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "third"),
+        r"Pinocchio reads the joints \['shoulder', 'elbow', 'third'\], the text has \['shoulder', 'elbow'\]",
+    ),
     "base": (lambda model: setattr(model.inertias[0], "mass", 1.0), "of the body of the base .* 1 instead of 0 "),
 }
 
@@ -82,6 +86,18 @@ def test_what_pinocchio_reads_otherwise_is_refused(lie: str, tmp_path: Path, mon
 
     monkeypatch.setattr(_loading.pin, "buildModelFromXML", lying)
     with pytest.raises(ps.ModelError, match=LIES[lie][1]):
+        load(tmp_path)
+
+
+def test_what_pinocchio_refuses_or_does_not_know_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refusing(*_arguments: object, **_options: object) -> pin.Model:
+        raise ValueError("The error message\n")
+
+    monkeypatch.setattr(_loading.pin, "buildModelFromXML", refusing)
+    with pytest.raises(ps.ModelError, match=r"arm\.urdf: Pinocchio refuses this URDF: The error message$"):
+        load(tmp_path)
+    monkeypatch.delattr(_loading.pin, "buildModelFromXML")
+    with pytest.raises(ps.ModelError, match=r"is another package called pinocchio; .* --force-reinstall pin$"):
         load(tmp_path)
 
 

@@ -177,6 +177,15 @@ def test_a_texture_beside_its_mesh_is_welcome(tmp_path: Path) -> None:
     assert load(tmp_path, arm("fore.dae")).visual_model.ngeoms == 1
 
 
+def test_draws_no_mesh_with_a_document_type(tmp_path: Path) -> None:
+    """Its entities would be expanded, or read from elsewhere."""
+    path = tmp_path / "fore.dae"
+    dae(path, "fore.png")
+    path.write_text(path.read_text().replace("<COLLADA", '<!DOCTYPE c [<!ENTITY a "b">]><COLLADA', 1))
+    (left_out,) = load(tmp_path, arm("fore.dae")).undrawn
+    assert "fore.dae is not well-formed XML: a document type (DOCTYPE) is not allowed in a mesh file" in left_out
+
+
 def test_zeros_after_a_collada_file_do_not_matter(tmp_path: Path) -> None:
     """ros-industrial's iiwa 14 has them; assimp reads it."""
     path = tmp_path / "fore.dae"

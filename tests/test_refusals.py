@@ -137,6 +137,27 @@ def test_a_state_file_of_two_documents(tmp_path: Path) -> None:
         read_joint_state(tmp_path / "state.yaml")
 
 
+@pytest.mark.parametrize(
+    ("state", "message"),
+    [
+        ("name: [a, b]\nposition: []\n", "state.yaml: position is empty"),
+        ("name: [a, '...']\nposition: [0.0]\n", r"name ends in '\.\.\.': .* record it with --full-length"),
+    ],
+)
+def test_state_files(state: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / "state.yaml").write_text(state, encoding="utf-8")
+    with pytest.raises(ps.InputError, match=message):
+        read_joint_state(tmp_path / "state.yaml")
+
+
+def test_a_motion_that_few_points_do_not_hold(tmp_path: Path) -> None:
+    move = ps.septic([[0.0] * 6, [1.0] * 6, [2.0] * 6, [0.0] * 6], [0.0, 1.0, 2.0, 3.0])
+    with pytest.raises(
+        ps.InputError, match="points do not bring the controller's motion within 1e-19 of this one; allow"
+    ):
+        ps.write_joint_trajectory(tmp_path / "a.yaml", move, joint_names=ROBOT.joint_names, tolerance=1e-19)
+
+
 def test_a_bag_without_the_package_that_reads_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """An optional dependency: the message says how to get it."""
     (tmp_path / "a.mcap").write_bytes(b"\x89MCAP0\r\n")

@@ -149,6 +149,12 @@ def test_what_is_derated_and_maps(tmp_path: Path) -> None:
         (MOTORS.replace("3000", "3000,9"), r"m\.csv, row 2: 6 cells, but the header has 5"),
         ("key,mass,inertia,max_int_torque\n", r"m\.csv: no rows below the header"),
         ("", r"m\.csv: no header; expected columns key"),
+        (MOTORS + 140_000 * "a", r"m\.csv, row 4: not a CSV file: field larger than field limit \(131072\)"),
+        (
+            MOTORS.replace("0.5,2,", '"0,5",2,'),
+            r"row 2, column 'mass': '0,5' is not a number: a comma in a file with comm",
+        ),
+        (MOTORS.replace("key", "key[mm]"), r"m\.csv, row 1: column 'key': unknown unit 'mm'; it is text and has none"),
         (MOTORS.replace("max_int_speed[rpm]", "S1").replace("3000", "1"), r"row 2, column 'S1': '1' is not a curve"),
     ],
 )
@@ -176,6 +182,7 @@ def test_faults_of_a_gearbox_file(tmp_path: Path, gears: str, message: str) -> N
         (PAIRS.replace("60", "-60"), r"p\.csv, row 2, column 'max_effort': -60 N m must be greater"),
         (PAIRS.replace("M2,G2", "M1,G1"), r"p\.csv: the pair M1, G1 occurs twice"),
         (PAIRS.replace("G1,,,", "G1,0.1,1,-1"), r"p\.csv: measured_friction already contains the losses"),
+        ("M1,G9\n", r"p\.csv, row 1: no gearbox has the key 'G9'"),
         (PAIRS.replace("G1,,,", "G1,0.1,-1,-1"), r"p\.csv, row 2, column 'coulomb_positive': coulomb"),
     ],
 )

@@ -398,6 +398,7 @@ def change_point(**changes: Any) -> dict[str, Any]:
         (change_point(time_from_start={"sec": 1, "nanosec": 10**9}), "bad_value", "with nanosec below 1e9"),
         (change_point(time_from_start=1e300), "bad_value", "got 1e+300"),
         (change_point(time_from_start={"sec": 0, "nanosec": 0}), "time_order", "points[1] at 0 s does not come after"),
+        (message([[0.0] * 6], [-1]), "time_order", "points[0].time_from_start is negative"),
         (change_point(time_from_start=-1.0), "time_order", "points[1] at -1 s does not come after points[0] at 0 s"),
         (change_point(positions=[]), "unsupported", "points[1] has no positions: the controller refuses it"),
         (change_point(accelerations=[0.0] * 6), "unsupported", "points[1] has accelerations without velocities"),

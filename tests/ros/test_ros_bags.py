@@ -10,7 +10,13 @@ from helpers.ros_bags import record, state_message, states, trajectory_message
 from helpers.ros_messages import NAMES, small_move
 
 import puma_septic as ps
-from puma_septic.ros import JointTrajectoryError, read_joint_state_log, read_joint_trajectories, recorded_topics
+from puma_septic.ros import (
+    JointTrajectoryError,
+    _bags,
+    read_joint_state_log,
+    read_joint_trajectories,
+    recorded_topics,
+)
 
 
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
@@ -28,7 +34,9 @@ def test_a_recorded_trajectory_is_the_one_that_was_sent(puma: ps.Robot, tmp_path
     assert recorded_topics(bag) == {"/arm/joint_trajectory": "trajectory_msgs/msg/JointTrajectory"}
 
 
-def test_every_message_of_a_topic_is_a_trajectory(puma: ps.Robot, tmp_path: Path) -> None:
+def test_every_message_of_a_topic_is_a_trajectory(
+    puma: ps.Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     move = small_move(puma)
     message = trajectory_message(move, [0.0, 2.0])
     bag = record(tmp_path / "bag", "mcap", {"/a": [(1, message), (2, message)], "/b": [(1, message)]})
@@ -38,6 +46,13 @@ def test_every_message_of_a_topic_is_a_trajectory(puma: ps.Robot, tmp_path: Path
     assert len(read_joint_trajectories(bag, puma, topic="/b")) == 1
     with pytest.raises(JointTrajectoryError, match="no topic '/c'; it has /a"):
         read_joint_trajectories(bag, puma, topic="/c")
+    with pytest.raises(
+        ps.InputError, match="topic '/a' is of trajectory_msgs/msg/JointTrajectory; needed: sensor_msgs"
+    ):
+        read_joint_state_log(bag, puma, topic="/a")
+    monkeypatch.setattr(_bags, "_MOST_MESSAGES", 1)
+    with pytest.raises(JointTrajectoryError, match="2 messages on /a; at most 1 are read"):
+        read_joint_trajectories(bag, puma, topic="/a")
 
 
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])

@@ -173,6 +173,10 @@ def test_a_margin_rejects_and_is_named_per_check() -> None:
             assert found.rejections == {governing.quantity: 1}
     with pytest.raises(ps.InputError, match="margins: unknown check 'torque'; valid: all, physics"):
         Conditions(margins={"torque": 0.1})
+    with pytest.raises(ps.InputError, match=r"margin of all = 1\.0: must be less than 1"):
+        Conditions(margins=1.0)
+    with pytest.raises(ps.InputError, match="bus_voltage = -24 V: must be greater than 0"):
+        Conditions(bus_voltage=-24.0)
 
 
 def test_an_unknown_brake_does_not_lift_the_limit_of_the_inertia_ratio() -> None:
@@ -246,6 +250,12 @@ def test_one_way_is_said_by_each_load_case() -> None:
     ):
         with pytest.raises(ps.InputError, match=message):
             make_task({**text, "load_cases": [fault]})
+    for case, message in (
+        ({"name": "s", "kind": "emergency stop", "time": 0.5}, "load_cases: one of them must be of the kind 'cycle'"),
+        ({"name": "c", "task": "paper-turned"}, "load case 'c': paper-turned is a task of another arm"),
+    ):
+        with pytest.raises(ps.InputError, match=message):
+            ps.sizing.load_cases_of(resolve_task(make_task({**text, "robot": {"source": "ur5"}, "load_cases": [case]})))
 
 
 def test_a_load_case_is_another_task_s_cycle_with_its_own_loads(tmp_path: Path) -> None:
@@ -429,16 +439,23 @@ def test_an_unpowered_stop_asks_nothing_of_the_motor(tmp_path: Path) -> None:
         assert ps.size(cases, catalogue=pair).joint("swing").rejections == reasons
 
 
-def test_load_cases_that_are_none_are_refused() -> None:
+def test_load_cases_that_are_none_are_refused(tmp_path: Path) -> None:
     light, heavy = cases_of_masses(0.0, 1.0)
+    swing = ps.compute_motion(pendulum(tmp_path), ps.quintic_segments([[0.0], [1.0]], [0.0, 1.0]))
     for cases, message in (
         ([light, light], "load case '0 kg' occurs twice; each needs a name of its own"),
         ([], "size takes a Cycle or a sequence of LoadCase, got list"),
         ([LoadCase(name="a", cycle=light.cycle, share=0.0)], "no load case has a share of the operating time"),
         ([LoadCase(name="a", cycle=light.cycle, is_rare=True), heavy], "the first one must concern all joints"),
+        (
+            [light, LoadCase(name="b", cycle=ps.cycle.with_return(swing))],
+            "load cases of one arm; got joints joint1, .* and swing",
+        ),
     ):
         with pytest.raises(ps.InputError, match=message):
             ps.size(cases)
+    with pytest.raises(ps.InputError, match="load case 'a': expected a Cycle, got Motion"):
+        LoadCase(name="a", cycle=light.cycle.motion)  # type: ignore[arg-type]
     with pytest.raises(ps.InputError, match="load case 'a': unknown joint 'elbow'; valid: joint1"):
         LoadCase(name="a", cycle=light.cycle, joints=("elbow",))
     with pytest.raises(ps.InputError, match="bus_voltage: 2 values for 6 joints; give one for all or one for each"):

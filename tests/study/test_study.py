@@ -7,6 +7,8 @@ import math
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +19,7 @@ import pytest
 import puma_septic as ps
 from puma_septic.cli import main
 from puma_septic.limits import stretched
-from puma_septic.study import Study
+from puma_septic.study import Study, _running
 from puma_septic.study._evaluation import evaluated
 from puma_septic.task import _scene
 
@@ -254,6 +256,48 @@ def test_maps_and_summaries_answer_the_usual_questions(tmp_path: Path) -> None:
 def test_what_a_study_cannot_be_is_refused(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(ps.InputError, match=message):
         study_of(**changes)
+
+
+def test_a_study_folder_that_is_not_whole(tmp_path: Path) -> None:
+    folder = tmp_path / "s"
+    ps.run_study(study_of(columns=["feasible"]), folder, workers=1)
+    with pytest.raises(
+        ps.InputError, match="the study has no column 'utilisation'; it has axis:duration, axis:payload"
+    ):
+        ps.study_map(folder, "duration", "payload", column="utilisation")
+    chunk = folder / "chunks" / "00000001.parquet"
+    pq.write_table(pq.read_table(chunk)[:3], chunk)
+    with pytest.raises(ps.InputError, match=r"00000001\.parquet: has 3 rows, 10 were expected; delete it and run"):
+        ps.run_study(study_of(columns=["feasible"]), folder, workers=1)
+    (folder / "study.json").unlink()
+    with pytest.raises(ps.InputError, match=r"has chunks but no study\.json; name another folder"):
+        ps.run_study(study_of(), folder, workers=1)
+    (folder / "study.json").write_text("{")
+    with pytest.raises(ps.InputError, match=r"study\.json: cannot be read: Expecting property name"):
+        ps.summarise_study(folder)
+    (folder / "study.json").write_text("{}")
+    for one in (folder / "chunks").iterdir():
+        one.unlink()
+    with pytest.raises(ps.InputError, match="s: no chunk is finished yet; run the study"):
+        ps.summarise_study(folder)
+
+
+def test_a_process_that_is_ended_and_a_package_that_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Ended(ThreadPoolExecutor):
+        """A pool of processes, one of which the system has ended."""
+
+        def __init__(self, count: int, *_: object) -> None:
+            super().__init__(count)
+
+        def submit(self, *_: object) -> Any:
+            raise BrokenProcessPool
+
+    monkeypatch.setattr(_running, "ProcessPoolExecutor", Ended)
+    with pytest.raises(ps.InputError, match="a process of the study was ended; run it again: what is finished is kept"):
+        ps.run_study(study_of(), tmp_path / "s", workers=2)
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(ps.InputError, match=r"needs the package distributed: .* 'puma-septic\[cluster\]'"):
+        ps.run_study(study_of(), tmp_path / "s", scheduler="tcp://127.0.0.1:1")
 
 
 def test_too_many_cases_have_to_be_confirmed(tmp_path: Path) -> None:

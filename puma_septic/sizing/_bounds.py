@@ -209,7 +209,7 @@ def bounds_of_temperature_rise(grid: LoadGrid, table: PairTable, rms: Array) -> 
     growth = 1 + copper * (ambient - table.motor("reference_celsius"))
     feedback = 1 - copper * share * loss * (1 + ROUNDING)
     with np.errstate(divide="ignore", invalid="ignore"):
-        high = np.where(feedback > 0, share * loss * growth * (1 + ROUNDING) / feedback, np.inf)
+        high = np.where(feedback <= 0, np.inf, share * loss * growth * (1 + ROUNDING) / feedback)
     return total * loss * growth * (1 - 10 * ROUNDING), high
 
 

@@ -172,11 +172,17 @@ class PairDemands:
     @cached_property
     def peak_temperature_rise(self) -> Bounds:
         """Of the winding."""
-        return self._with_field(bounds_of_temperature_rise(self.grid, self.table, self.rms_torque[1]))
+        return self._opened(self._rise)
 
-    def _with_field(self, bounds: Bounds) -> Bounds:
-        """Without an upper bound where the drive may weaken the field, whose current adds to the torque's."""
-        return bounds[0], np.where(self.table.weakens_field & ~np.isnan(bounds[1]), np.inf, bounds[1])
+    @cached_property
+    def _rise(self) -> Bounds:
+        """Of the winding, without field weakening."""
+        return bounds_of_temperature_rise(self.grid, self.table, self.rms_torque[1])
+
+    def _opened(self, bounds: Bounds) -> Bounds:
+        """Without an upper bound where the winding may run away, or a weakened field takes current of its own."""
+        is_open = self.table.weakens_field | np.isinf(self._rise[1])
+        return bounds[0], np.where(is_open & ~np.isnan(bounds[1]), np.inf, bounds[1])
 
     @property
     def mean_temperature_rise(self) -> Bounds:
@@ -205,19 +211,19 @@ class PairDemands:
     @property
     def peak_current(self) -> Bounds:
         """Of the motor."""
-        return self._with_field(scaled(self.peak_torque, 1 / self.table.motor("torque_constant")))
+        return self._opened(scaled(self.peak_torque, 1 / self.table.motor("torque_constant")))
 
     @property
     def rms_current(self) -> Bounds:
         """Of the motor."""
-        return self._with_field(scaled(self.rms_torque, 1 / self.table.motor("torque_constant")))
+        return self._opened(scaled(self.rms_torque, 1 / self.table.motor("torque_constant")))
 
     @cached_property
     def _electric(self) -> dict[str, Bounds]:
         found = bounds_of_electric(
             self.grid, self.table, self._winding_growth, self.rms_torque[1], self.peak_torque, self.peak_power
         )
-        return {name: self._with_field(bounds) for name, bounds in found.items()}
+        return {name: self._opened(bounds) for name, bounds in found.items()}
 
     @property
     def peak_drawn_power(self) -> Bounds:

@@ -169,6 +169,34 @@ def test_selection_of_measured_pairs_is_that_of_assessing_each(
     assert_each_pair_is_judged_as_alone(catalogue, place, j, periodic)
 
 
+def test_a_winding_of_unknown_temperature_is_as_cold_as_printed() -> None:
+    """The loss was bounded by that at the ambient, 40 degrees, where the full assessment takes the sheet's 20."""
+    motor = ps.Motor(
+        name="M", torque_constant=0.04, resistance=0.8, rotor_inertia=2e-4, coulomb_friction=0.03, peak_torque=3.0
+    )
+    place = ps.Drivetrain(motor=ps.Motor(), gearbox=ps.Gearbox(ratio=1.0), drive=ps.Drive(continuous_power=60.0))
+    catalogue = ps.Catalogue(motors=[motor], gearboxes=[ps.Gearbox(name="G", ratio=60.0)])
+    assert_each_pair_is_judged_as_alone(catalogue, replace(place, ambient_celsius=40.0), 0, periodic=False)
+
+
+def test_a_winding_that_runs_away_has_no_bound() -> None:
+    """Its current is told as infinite, which was above the bound that the torque gives."""
+    motor = ps.Motor(
+        name="M",
+        torque_constant=0.1,
+        resistance=1.0,
+        peak_torque=3.0,
+        max_winding_celsius=60.0,
+        thermal_resistances=[1.5, 3.0],
+        thermal_time_constants=[20.0, 600.0],
+    )
+    drive = ps.Drive(peak_current=10.0, continuous_current=5.0, storable_energy=20.0, peak_regenerated_power=40.0)
+    place = ps.Drivetrain(motor=ps.Motor(), gearbox=ps.Gearbox(ratio=1.0), drive=drive, ambient_celsius=20.0)
+    catalogue = ps.Catalogue(motors=[motor], gearboxes=[ps.Gearbox(name="G", ratio=30.0)])
+    assert any(check.demand == np.inf for check in in_full(load(1, True), catalogue.drivetrain(0, 0, [place])))
+    assert_each_pair_is_judged_as_alone(catalogue, place, 1, periodic=True)
+
+
 def assert_each_pair_is_judged_as_alone(catalogue: ps.Catalogue, place: ps.Drivetrain, j: int, periodic: bool) -> None:
     """The same verdict for every pair, the same numbers for every pair kept, and a reason that is one."""
     selection = select_joint(alone(load(j, periodic)), catalogue, 0, rank="mass", keep=None, places=[place])

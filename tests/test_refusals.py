@@ -63,7 +63,7 @@ SKEW = [[1.0, 0.1, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
             lambda: ps.assess_cycle(ps.Cycle(steps=[MOTION]), names=["there", "back"]),
             "names: 2 names for 1 steps; one for each is needed",
         ),
-        (lambda: MOTION.torque.stepwise(np.ones((9, 1))), r"values: shape \(9, 1\) is not \(1, p\), a row for each int"),
+        (lambda: MOTION.torque.stepwise(np.ones((9, 1))), r"values: shape \(9, 1\) is not \(1, p\), a row for each"),
         (lambda: payload_diagram([], [0.1]), "motions: at least one is needed"),
         (lambda: payload_diagram(MOTION, [0.1], direction=[0, 0, 0]), "direction: expected three numbers, not all 0"),
         (lambda: payload_and_duration(MOTION, [1.0, 2.0], [0.5]), "2 durations and 1 masses: expected one of each"),

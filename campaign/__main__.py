@@ -77,7 +77,7 @@ PARTS = {
     "disk": Part(20, 1, disk.run, "sizes"),
     "server": Part(2_000, 40, server.run, "random requests"),
     "xss": Part(len(xss.PAYLOADS), 1, xss.run, "payloads"),
-    "memory": Part(10_000, 60, memory.run, "assessments"),
+    "memory": Part(10_000, 15, memory.run, "assessments, sizings and reports each"),
     "threads": Part(200, 4, threads.run, "moves"),
 }
 

@@ -1,12 +1,17 @@
-"""SIGKILL at random instants while files are written: nothing, the old, or the whole under the final name."""
+"""SIGKILL at random instants while files are written: nothing, the old, or the whole under the final name.
+
+Every second kill is at a random instant of the command's time, every other one just before it gives the k-th name.
+"""
 
 from __future__ import annotations
 
 import os
 import shutil
 import signal
+import sys
 import time
 from collections import Counter
+from itertools import count as numbered
 from pathlib import Path
 from typing import Final
 
@@ -16,17 +21,19 @@ from campaign.outputs import OUTPUTS, Output, contents, ended, faults_of, in_a_c
 
 BEFORE: Final = ("nothing", "empty folder", "older result")
 _IN_A_ROW: Final = 5  # kills of one command in one folder, before it is let run to its end
+_NAMING: Final = ("os.rename", "os.link")  # what Python tells (sys.audit) of names that are given, replaced ones too
 
 
 def run(count: int, seed: int) -> tuple[Counter[str], list[str]]:
     """So many kills, over all outputs in turn; what was found under the name, and every offence."""
     rng = np.random.default_rng([seed, 1])
-    inputs()
+    rows = -(-count // _IN_A_ROW)
+    inputs(OUTPUTS[:rows])
     found: Counter[str] = Counter()
     offences: list[str] = []
-    for k in range(-(-count // _IN_A_ROW)):
+    for k in range(rows):
         one = OUTPUTS[k % len(OUTPUTS)]
-        before = BEFORE[k // len(OUTPUTS) % len(BEFORE)]
+        before = BEFORE[(k + seed) % len(BEFORE)]
         shares = rng.random(min(_IN_A_ROW, count - k * _IN_A_ROW))
         offences += [f"{one.name}, before: {before}: {text}" for text in _row(one, before, shares, found)]
     return found, offences
@@ -49,8 +56,11 @@ def _row(one: Output, before: str, shares: np.ndarray, found: Counter[str]) -> l
         target.mkdir()
     elif before == "older result" and _force(one):
         shutil.copytree(undisturbed, target) if undisturbed.is_dir() else shutil.copy(undisturbed, target)
-    for share in shares:
-        outcome = _killed(one, target, share * 1.1 * seconds, names)
+    for k, share in enumerate(shares):
+        if k % 2:
+            outcome = _killed(one, target, names, number=int(share * (len(names) + 2)))
+        else:
+            outcome = _killed(one, target, names, seconds=share * 1.1 * seconds)
         found[outcome] += 1
         wrong += [f"{outcome}: {text}" for text in faults_of(target)]
         if outcome == "killed: in part":
@@ -58,14 +68,15 @@ def _row(one: Output, before: str, shares: np.ndarray, found: Counter[str]) -> l
     return wrong + _next_run(one, target, names)
 
 
-def _killed(one: Output, target: Path, seconds: float, names: set[str]) -> str:
-    """What lies under the name after a run that was killed so many seconds after its start."""
+def _killed(one: Output, target: Path, names: set[str], *, seconds: float = 0.0, number: int | None = None) -> str:
+    """What lies under the name after a run that was killed so many seconds after its start, or at a name."""
     more = _again(one, target)
     old = contents(target)
-    child = in_a_child(lambda: one.run(target, *more))
-    time.sleep(seconds)
-    if os.waitid(os.P_PID, child, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None:
-        os.killpg(child, signal.SIGKILL)
+    child = in_a_child(lambda: one.run(target, *more), before=lambda: None if number is None else _kill_at(number))
+    if number is None:
+        time.sleep(seconds)
+        if os.waitid(os.P_PID, child, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None:
+            os.killpg(child, signal.SIGKILL)
     code, now = ended(child), contents(target)
     if code >= 0:
         return "ended before"
@@ -74,6 +85,17 @@ def _killed(one: Output, target: Path, seconds: float, names: set[str]) -> str:
     if now == old:
         return "killed: as before"
     return "killed: whole" if set(now) == names else "killed: in part"
+
+
+def _kill_at(number: int) -> None:
+    """Kill this process and its children just before it gives a file or folder its name for the number-th time."""
+    names = numbered()
+
+    def hook(event: str, _: object) -> None:
+        if event in _NAMING and next(names) == number:
+            os.killpg(0, signal.SIGKILL)
+
+    sys.addaudithook(hook)
 
 
 def _next_run(one: Output, target: Path, names: set[str]) -> list[str]:

@@ -15,10 +15,10 @@ _RACED: Final = ("assess --out", "assess --write", "replay --html", "compare --o
 
 def run(count: int, _seed: int) -> tuple[Counter[str], list[str]]:
     """So many races, over the outputs in turn, every second time with ``--force``."""
-    inputs()
     found: Counter[str] = Counter()
     offences = []
     raced = [one for one in OUTPUTS if one.name in _RACED]
+    inputs(raced[:count])
     for k in range(count):
         one = raced[k % len(raced)]
         more = ("--force",) if k // len(raced) % 2 and one.name != "check --fix" else ()

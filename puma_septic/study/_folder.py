@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import IO, Any, Final, final
 
 from puma_septic.errors import InputError
+from puma_septic.outputs import write_file
 
 try:
     import pyarrow as pa
@@ -120,9 +121,7 @@ class StudyFolder:
         if not file.exists():
             if any(self.chunks.iterdir()):
                 raise InputError(f"{self.path}: has chunks but no {_DEFINITION}; name another folder")
-            partial = file.with_name(_DEFINITION + _PARTIAL)
-            partial.write_text(json.dumps(document, indent=2), encoding="utf-8")
-            partial.replace(file)
+            write_file(file, json.dumps(document, indent=2))
         old = self.definition()
         if old.get("digest") != study.digest:
             changed = [key for key, value in document.items() if key != "digest" and old.get(key) != value]

@@ -170,6 +170,19 @@ def test_a_flipped_bit_is_found_and_the_rest_is_kept(tmp_path: Path) -> None:
     assert _rows(folder) == whole
 
 
+def test_the_definition_is_on_the_disk_before_it_has_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """After a loss of power an empty definition would stand there, and the study could neither go on nor begin."""
+    seen, real = list[str](), os.fsync
+
+    def fsync(handle: int) -> None:
+        seen.append("named" if (tmp_path / "s" / "study.json").exists() else "hidden")
+        real(handle)
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    ps.run_study(study_of(), tmp_path / "s", workers=1)
+    assert seen[0] == "hidden"
+
+
 def test_a_place_that_cannot_be_written_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(ps.InputError, match="cannot write the study's folder"):

@@ -259,6 +259,13 @@ def test_a_payload_changes_its_own_term_and_no_other(puma: ps.Robot) -> None:
         assert same == (name != "payload"), name
 
 
+@pytest.mark.parametrize("profile", PROFILES)
+def test_no_coefficients_are_carried_that_nobody_could_tell(puma: ps.Robot, profile: str) -> None:
+    """Between reversals the torque needs fewer than the fit over all of them."""
+    torque = ps.compute_motion(puma, paper_move(profile)).torque
+    assert torque.trimmed(1e-13).degree == torque.degree
+
+
 def test_the_same_motion_twice_is_the_same_to_the_last_bit(puma: ps.Robot) -> None:
     one, two = (ps.compute_motion(puma, paper_move("lspb")) for _ in range(2))
     np.testing.assert_array_equal(one.torque.coefficients, two.torque.coefficients)

@@ -156,6 +156,10 @@ def test_a_joint_whose_points_are_equal_is_still(case: Case, data: st.DataObject
     move = case.make(points, times)
     assert not move.position.coefficients[1:, :, STILL].any()
     assert (move.position.coefficients[0, :, STILL] == points[0, STILL]).all()
+    # So is an arm of which none moves.
+    stays = case.make(np.repeat(points[:1], len(points), axis=0), times)
+    assert not stays.position.coefficients[1:].any()
+    assert stays.duration == pytest.approx(move.duration, rel=1e-14)
 
 
 @each

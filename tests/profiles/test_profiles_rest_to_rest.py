@@ -117,6 +117,13 @@ def test_trapezoidal_between_two_points_by_cruise_velocity() -> None:
     assert not move.position.coefficients[1:, :, 2].any()
 
 
+def test_an_arm_that_stays_where_it_is_needs_no_cruise_velocity() -> None:
+    """Whatever it is told: nothing moves, nothing overlaps, and it takes its time."""
+    move = profiles.trapezoidal([[0.5, -1.0]] * 2, [1.0, 3.0], cruise_velocity=[0.3, 9.0])
+    assert (move.breaks[[0, -1]].tolist(), move.extrema(0).min.tolist()) == ([1.0, 3.0], [0.5, -1.0])
+    assert not move.position.coefficients[1:].any()
+
+
 @given(
     v=st.floats(1.001, 2.0),
     T=st.floats(0.5, 5.0),

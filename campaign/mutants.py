@@ -29,19 +29,23 @@ from coverage import CoverageData
 from puma_septic.views.tables import text_table
 
 ROOMS: Final = {
-    "piecewise": ("piecewise", "tests/piecewise tests/test_trajectory.py"),
+    "piecewise": ("piecewise", "tests/piecewise tests/test_trajectory.py tests/test_reprs.py"),
     "profiles": ("profiles", "tests/profiles tests/documentation/test_api.py"),
     "trajectory": (
         "trajectory.py",
-        "tests/test_trajectory.py tests/profiles/test_profiles_basic.py tests/profiles/test_profiles_vias.py",
+        "tests/test_trajectory.py tests/profiles/test_profiles_basic.py tests/profiles/test_profiles_vias.py"
+        " tests/test_reprs.py",
     ),
-    "friction": ("friction.py", "tests/test_dynamics.py tests/test_friction.py"),
+    "friction": ("friction.py", "tests/test_dynamics.py tests/test_friction.py tests/test_reprs.py"),
     "dynamics": (
         "dynamics.py",
         "tests/test_dynamics.py tests/robot/test_mimic.py tests/sizing/test_bearing.py tests/limits/test_payload.py"
         " tests/simulation/test_simulate.py tests/documentation/test_api.py",
     ),
-    "motion": ("motion.py", "tests/test_friction.py tests/test_motion.py tests/test_truth.py tests/assessment"),
+    "motion": (
+        "motion.py",
+        "tests/test_friction.py tests/test_motion.py tests/test_truth.py tests/assessment tests/test_reprs.py",
+    ),
     "limit_check": ("limit_check.py", "tests/test_limit_check.py tests/test_quantities.py tests/assessment"),
     "assessment": ("assessment", "tests/assessment tests/cycle tests/test_truth.py"),
     "robot": ("robot", "tests/drives/test_drives.py tests/test_reprs.py tests/robot"),

@@ -170,3 +170,15 @@ def test_drives_that_are_known_have_their_source(tmp_path: Path) -> None:
     html = robot._repr_html_()
     assert "catalogue" in html
     assert rows_of(html, "shoulder")[2] == ["shoulder", "-100", "0.0001", "0.001", "0.02, -0.03"]
+
+
+def test_a_line_says_what_it_is() -> None:
+    """Counts and spans by hand: four points from 0.5 s to 4 s, on three intervals of quintics."""
+    move = ps.quintic_segments([[0.0] * 6, [1.0] * 6, [2.0] * 6, [3.0] * 6], [0.5, 1.0, 2.0, 4.0])
+    facts = "joints 6, points 4, from 0.5 s, to 4 s, intervals 3>"
+    assert repr(move) == f"<Trajectory: profile quintic_segments, {facts}"
+    assert repr(move.position) == "<Piecewise: components 6, intervals 3, degree 5, from 0.5, to 4>"
+    robot = ps.load_robot()
+    for arm, payload in ((robot, "none"), (robot.with_payload(ps.Payload(mass=2.5)), "2.5 kg")):
+        facts = f"profile quintic_segments, duration 3.5 s, payload {payload}, joints 6>"
+        assert repr(ps.compute_motion(arm, move)) == f"<Motion: robot puma560, {facts}"

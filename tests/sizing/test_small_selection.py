@@ -127,6 +127,25 @@ def test_the_front_of_the_arm_is_that_of_all_combinations() -> None:
             assert joint.why(candidate.motor, candidate.gearbox).endswith("is strong enough")
 
 
+def test_how_many_pairs_lack_which_value_is_told() -> None:
+    """Of six pairs all lack the highest speed, two the rotor's inertia, and three the average torque."""
+    known = {"continuous_torque": 50.0, "peak_torque": 100.0}
+    motors = [ps.Motor(name=f"M{k}", rotor_inertia=1e-4 if k else np.nan, **known) for k in range(3)]
+    gears = [
+        ps.Gearbox(
+            name=f"G{k}", ratio=50.0, efficiency=0.8, max_repeated_torque=1e4, max_average_torque=1e4 if k else np.nan
+        )
+        for k in range(2)
+    ]
+    joint = ps.size(cases(), catalogue=ps.Catalogue(motors=motors, gearboxes=gears)).joint("elbow")
+    assert list(joint.unknowns.items()) == [
+        ("highest speed of the motor", 6), ("average torque of the gearbox", 3), ("rotor inertia of the motor", 2),
+    ]  # fmt: skip
+    assert joint.why("M0", "G1").startswith(
+        "M0 with G1 is not decidable: rotor inertia of the motor, highest speed of the motor"
+    )
+
+
 def test_the_table_of_a_selection_has_a_row_for_each_pair_that_is_kept() -> None:
     table = selection().to_dataframe()
     pairs = [(joint.joint, c.motor, c.gearbox) for joint in selection().joints for c in joint.kept]

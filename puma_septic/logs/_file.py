@@ -294,17 +294,17 @@ def _numbers(path: Path, header: Sequence[str], rows: Sequence[_Row], layout: La
 
 def _refuse_cell(path: Path, rows: Sequence[_Row], layout: Layout) -> NoReturn:
     """Name the first cell that is no number."""
-    for row in rows:
-        for column in layout.columns:
-            text = row.cells[column.index].strip()
-            try:
-                number = float(text) if "_" not in text else math.nan
-            except ValueError:
-                number = math.nan
-            if not abs(number) <= LARGEST:
-                problem = f"{text!r} is not a finite number up to {LARGEST:g}" if text else "the value is missing"
-                raise InputError(f"{path}, row {row.line}, column {column.name!r}: {problem}")
-    raise AssertionError("every cell is a number")
+    cells = ((row.line, column.name, row.cells[column.index].strip()) for row in rows for column in layout.columns)
+    line, name, text = next(cell for cell in cells if not _is_number(cell[-1]))
+    problem = f"{text!r} is not a finite number up to {LARGEST:g}" if text else "the value is missing"
+    raise InputError(f"{path}, row {line}, column {name!r}: {problem}")
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return "_" not in text and abs(float(text)) <= LARGEST
+    except ValueError:
+        return False
 
 
 def _without_repeats(

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import builtins
 import hashlib
+import sys
 from collections.abc import Callable
 from dataclasses import replace
+from importlib.util import find_spec, module_from_spec
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import matplotlib.figure
 import numpy as np
 import pinocchio as pin
 import pytest
+from helpers.arms import branched_arm
 from helpers.ros_messages import small_move
 from helpers.urdf_texts import DRIVES, load, replaced
 
@@ -22,9 +26,16 @@ from puma_septic.cli import main
 from puma_septic.files import sha256_of
 from puma_septic.kinematics._chain import _axis
 from puma_septic.limits import payload_and_duration, payload_diagram
+from puma_septic.optimisation._torque_cuts import least_duration
+from puma_septic.optimum import _jerk_limited, _time_optimal
 from puma_septic.outputs import write_file
+from puma_septic.profiles._integration import smooth_series
 from puma_septic.ros import read_joint_state
-from puma_septic.testing import assert_trajectory_ok
+from puma_septic.sizing._task_cases import cycle_case
+from puma_septic.sizing._thermal import steady_cycle
+from puma_septic.task import make_task, resolve_cycle
+from puma_septic.testing import assert_feasible, assert_trajectory_ok
+from puma_septic.vibration import stiffness_for
 from puma_septic.viewer import _server as server
 
 ROBOT = ps.load_robot()
@@ -180,10 +191,96 @@ def test_points_that_are_one_in_whole_nanoseconds(tmp_path: Path) -> None:
         ps.write_joint_trajectory(tmp_path / "a.yaml", move)
 
 
+def test_what_is_undecided_fails_a_test() -> None:
+    """A joint that turns by 90 may have been meant in degrees."""
+    far = ps.quintic_segments([[0.0] * 6, [0.0] * 5 + [90.0]], [0, 500])
+    with pytest.raises(AssertionError, match=r"^undecided: points in degrees\? joint6 reaches 90 rad"):
+        assert_feasible(ps.assess(ROBOT, far), ignore=["joint6"])
+
+
 def test_a_trajectory_that_may_not_go_to_the_robot_fails_a_test(tmp_path: Path) -> None:
     path = ps.write_joint_trajectory(tmp_path / "fast.yaml", small_move(ROBOT, 0.4))
     with pytest.raises(AssertionError, match=r"fast\.yaml: violated"):
         assert_trajectory_ok(path, ROBOT)
+
+
+# ---- where the numbers have no answer
+
+
+def test_functions_that_no_series_holds() -> None:
+    with pytest.raises(ps.PumaSepticError, match=r"no Chebyshev series of degree 128 converges on \[-1, 2\] s"):
+        smooth_series(np.abs, -1.0, 2.0)
+    heating = ps.Piecewise.from_power([0.0, 1.0, 2.0], [[[800.0], [-900.0]]])
+    source = ps.Piecewise.from_power([0.0, 1.0, 2.0], [[[1e300], [1e300]]])
+    with pytest.raises(ps.PumaSepticError, match="the winding's temperature swings too far within one cycle to be"):
+        steady_cycle(heating, source)
+
+
+def test_a_torque_that_does_not_follow_its_duration() -> None:
+    """A family whose motion stays the same, whatever duration it is asked for."""
+    motion = ps.compute_motion(ROBOT, small_move(ROBOT, 0.2))
+    same: Any = SimpleNamespace(motion=motion, trajectory=motion.trajectory)
+    with pytest.raises(ps.InputError, match=r"profile \w+ does not scale with its times: its torque differs"):
+        least_duration(lambda _: same, 0.0)
+
+
+def test_knots_that_fall_together() -> None:
+    """Vias of two units in the last place apart can be told apart, averages of five of them cannot."""
+    times = np.append(0.0, 1.9127555772777218 + np.arange(11) * 2.0**-51)
+    points = np.arange(12.0)[:, None]
+    with pytest.raises(ps.InputError, match=r"degree 5 with segments of 4\.44089e-16 s .* by more than all of the"):
+        ps.profiles.bspline(points, times, degree=5)
+
+
+def test_a_cell_that_leaves_no_time_for_its_cycle() -> None:
+    document = {**ps.load_task("paper-straight").document(), "conditions": {"cycles_per_minute": 60}}
+    with pytest.raises(ps.InputError, match=r"a cycle has 1 s, but this one takes 18 s; at most 3\.333 cycles"):
+        cycle_case(resolve_cycle(make_task(document)))
+
+
+def test_more_joints_than_can_be_bounded_at_once(tmp_path: Path) -> None:
+    snake = branched_arm(tmp_path, np.random.default_rng(1), 20)
+    with pytest.raises(ps.ModelError, match="no certified bound: 19 joints act together, more than can be bounded"):
+        ps.worst_holding_torque(snake)
+
+
+def test_a_slide_without_bounds_and_a_posture_without_inertia(tmp_path: Path) -> None:
+    slide = replaced('name="elbow" type="revolute"', 'name="elbow" type="prismatic"')
+    with pytest.raises(ps.InputError, match="region: joint 'elbow' slides and has no position limits; give its bounds"):
+        ps.acceleration_limits(load(tmp_path, replaced('lower="-2.5" upper="2.5" ', "", slide)))
+    rods = replaced('izz="0.05"', 'izz="0"', replaced('<axis xyz="0 1 0"/>', '<axis xyz="0 0 1"/>'), count=2)
+    with pytest.raises(ps.InputError, match="joint 'shoulder' moves no inertia in this posture: no stiffness swings"):
+        stiffness_for(load(tmp_path, rods), [0.0, 0.0], 10.0)
+
+
+@pytest.mark.parametrize(
+    ("home", "missing", "message"),
+    [
+        ("study._folder", "pyarrow", r"a study needs the packages pyarrow and duckdb: .* 'puma-septic\[study\]'"),
+        ("optimum._time_optimal", "toppra", r"the reference needs toppra: .* 'puma-septic\[optimum\]'"),
+    ],
+)
+def test_an_optional_package_that_is_not_there(
+    home: str, missing: str, message: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    spec = find_spec(f"puma_septic.{home}")
+    monkeypatch.setitem(sys.modules, missing, None)
+    with pytest.raises(ps.InputError, match=message):
+        spec.loader.exec_module(module_from_spec(spec))  # type: ignore[union-attr, arg-type]
+
+
+def test_what_toppra_and_copp_do_not_find(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Limits that no motion along the path keeps are found out before; here both give up."""
+
+    def lost(*_: object) -> Any:
+        raise _jerk_limited.copp_py.CoppError("infeasible")
+
+    monkeypatch.setattr(_jerk_limited, "_solved", lost)
+    with pytest.raises(ps.NoSolution, match="copp finds no motion along this path from rest to rest: infeasible"):
+        ps.time_optimal(ps.compute_motion(ROBOT.with_limits(jerk=np.full(6, 40.0)), MOTION.trajectory))
+    monkeypatch.setattr(_time_optimal.algorithm.TOPPRA, "compute_parameterization", lambda *_: (None, None, None))
+    with pytest.raises(ps.NoSolution, match="toppra finds no motion along this path from rest to rest"):
+        ps.time_optimal(MOTION)
 
 
 # ---- at the edge
@@ -228,6 +325,27 @@ def test_command_lines(
     Path("log.csv").write_text("t,joint1\n0,0\n1,1\n", encoding="utf-8")
     assert main(arguments) == 2
     assert message in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_share_of_speeds_that_are_not_known(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = replaced('name="elbow" type="revolute"', 'name="elbow" type="continuous"')
+    text = replaced('<limit lower="-2.5" upper="2.5" effort="20" velocity="4"/>', "", text)
+    (tmp_path / "arm.urdf").write_text(text, encoding="utf-8")
+    assert main(["accelerations", str(tmp_path / "arm.urdf"), "--speed", "0.5"]) == 2
+    assert "--speed: no velocity limit for elbow" in capsys.readouterr().err
+
+
+def test_an_output_that_is_closed_or_full(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    with monkeypatch.context() as closed:
+        closed.setattr(sys, "stdout", None)
+        assert main(["profiles"]) == 2
+    assert "cannot write the result: the standard output is closed" in capsys.readouterr().err
+    if not Path("/dev/full").exists():
+        pytest.skip("a device of Linux that is always full")
+    with Path("/dev/full").open("w") as full, monkeypatch.context() as no_space:
+        no_space.setattr(sys, "stdout", full)
+        assert main(["profiles"]) == 2
+    assert "cannot write the result: No space left on device" in capsys.readouterr().err
 
 
 def test_a_digest_is_that_of_the_bytes(tmp_path: Path) -> None:

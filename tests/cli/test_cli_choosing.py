@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import puma_septic as ps
-from puma_septic.cli import main
+from puma_septic.cli import _optimise, main
 from puma_septic.profiles import available
 
 
@@ -198,6 +198,18 @@ def test_optimise_reads_and_writes_points_in_degrees(tmp_path: Path, capsys: pyt
         assert json.loads(printed(again, capsys))["start"]["times"] == pytest.approx(found[-1]["times"], rel=1e-12)
     assert found[0]["times"] == pytest.approx(found[1]["times"], rel=1e-6)
     assert found[0]["value"] == pytest.approx(found[1]["value"], rel=1e-9)
+
+
+def test_an_optimum_that_no_task_says_is_not_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is written is read again; here it comes back as another motion."""
+    points = "".join(f"  - {{joints: [{x}, 0.5, -2.5, 0, 0.7, 0]}}\n" for x in (0, 0.2, 0.5))
+    (tmp_path / "t.yaml").write_text(f"name: t\ntimes: [0, 1, 2]\nprofiles: [quintic_spline]\npoints:\n{points}")
+    monkeypatch.setattr(_optimise, "_is_same", lambda *_: False)
+    assert main(["optimise", str(tmp_path / "t.yaml"), "--restarts", "0", "--write", str(tmp_path / "best.yaml")]) == 2
+    assert "best.yaml: no task says this optimum, of which more than times was free; .json" in capsys.readouterr().err
+    assert not (tmp_path / "best.yaml").exists()
 
 
 def test_optimise_lspb_passes_durations(capsys: pytest.CaptureFixture[str]) -> None:

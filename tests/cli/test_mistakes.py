@@ -23,6 +23,7 @@ FILES = {
     "broken.yaml": "name: [\n",
     "few.yaml": TASK.replace("0, 0.7, 0]}\ntimes", "0.7, 0]}\ntimes"),
     "log.csv": "a,b\n1,2\n",
+    "own.yaml": TASK + "conditions: {own_masses: [1, 1, 1, 1, 1, 1]}\n",
     "list.yaml": "- 1\n",
     "axis.yaml": "name: s\ntask: paper-turned\naxes: {profil: [septic]}\n",
 }
@@ -95,6 +96,7 @@ MISTAKES = [
         "'key' is missing",
         "the header has",
     ),
+    (["size", "own.yaml", "--catalogue", "example"], "own masses", "placed on the arm", "they go with --masses"),
     (["size", "cell.yaml", "--margin", "=0.2"], "--margin", "'=0.2'", "SHARE or CHECK=SHARE"),
     (["size", "cell.yaml", "--rank", "mass"], "--rank", "", "goes with --catalogue"),
     (["size", "cell.yaml", "--drives", "nosuch.toml"], "--drives", "nosuch.toml", "does not exist"),

@@ -167,6 +167,10 @@ def test_faults_of_a_motor_file(tmp_path: Path, motors: str, message: str) -> No
     [
         (GEARS.replace("G1,50", "G1,"), r"g\.csv, row 2, column 'ratio': the cell is empty"),
         (GEARS.replace("G1,50", "G1,0"), r"g\.csv, row 2, column 'ratio': gear ratio = 0"),
+        (
+            GEARS.replace("efficiency[%]", "efficiency[%],efficiency_map").replace("80", "80,100:10:0.8;100:20:0.9"),
+            r"g\.csv, row 2: efficiency_map has all losses in it, but efficiency is given too",
+        ),
         (GEARS.replace("80", "180"), r"g\.csv, row 2, column 'efficiency': efficiency = 1\.8 must be at most 1"),
         (GEARS.replace("inertia", "direction,inertia").replace("1.0,", "1.0,2,"), r"row 2, column 'direction': 2 is"),
     ],

@@ -12,8 +12,8 @@ import pytest
 from helpers.ros_messages import message, small_move
 
 import puma_septic as ps
-from puma_septic.gate import ALLOWABLE, REASON_CODES, TrajectoryCheck, fixed
-from puma_septic.limits import stretched
+from puma_septic.gate import ALLOWABLE, REASON_CODES, TrajectoryCheck, _stretching, fixed
+from puma_septic.limits import assessed_at, stretched
 from puma_septic.ros import FAULT_CODES, PlannedTrajectory, interpolated
 from puma_septic.ros._message import joint_trajectory_message
 
@@ -397,6 +397,18 @@ def planned_of(move: ps.Trajectory) -> PlannedTrajectory:
     assert made is not None
     trajectory = interpolated(made, None, np.zeros(6, dtype=bool))
     return PlannedTrajectory(origin="x", trajectory=trajectory, message=made, start=None, notes=(), sha256="")
+
+
+def test_a_stretch_that_does_not_hold_is_not_given(puma: ps.Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The search and the check agree; were it otherwise, a motion beyond a limit must not pass for a sound one."""
+    arm, quick = limited(puma, velocity=0.2), small_move(puma)
+    monkeypatch.setattr(_stretching, "_MORE", (-0.5,))
+    with pytest.raises(ps.NoSolution, match="rounded to the message's nanoseconds, does not hold: joint"):
+        fixed(arm, planned_of(quick))
+    as_it_is = assessed_at(ps.compute_motion(arm, quick), 1.0)
+    monkeypatch.setattr(_stretching, "assessed_at", lambda *_: as_it_is)
+    with pytest.raises(ps.NoSolution, match=r"no stretch of time helps: joint\d velocity .* at t = "):
+        ps.least_stretch(arm, quick)
 
 
 @pytest.mark.parametrize("short", [0.001, 0.4])

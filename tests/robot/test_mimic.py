@@ -245,6 +245,17 @@ def test_a_follower_in_the_tools_chain_is_not_locked_alone(tmp_path: Path) -> No
     assert ps.forward_kinematics(locked, [0.2, 0.1]) == pytest.approx(expected, abs=1e-14)
 
 
+def test_a_joint_that_carries_the_one_it_follows_is_refused(tmp_path: Path) -> None:
+    """Pinocchio must have seen a joint before those that follow it."""
+    body = (
+        chain("base", "l1", "l2")
+        + mimicking(joint("j1", "revolute", "base", "l1", [0, 0, 0.3], [0, 1, 0]), "j2")
+        + joint("j2", "revolute", "l1", "l2", [0, 0, 0.3], [0, 1, 0])
+    )
+    with pytest.raises(ps.ModelError, match=r"'j1' one carries the joint that it follows, .*lock them: locked=\{'j1'"):
+        load(tmp_path, "arm", body)
+
+
 def test_what_is_no_text_for_locked(tmp_path: Path) -> None:
     with pytest.raises(ps.InputError, match="unknown text for locked 'all'; valid: 'others'"):
         load(tmp_path, "arm", parallelogram(), locked="all")

@@ -10,6 +10,8 @@ import pytest
 from helpers.meshes import TRIANGLE, arm, dae, stl
 from helpers.urdf_texts import load
 
+from puma_septic.doctor import examine
+
 
 @pytest.fixture
 def folders(tmp_path: Path) -> tuple[Path, Path]:
@@ -175,6 +177,12 @@ def test_draws_no_mesh_with_a_texture_outside_the_robots_folders(folders: tuple[
 def test_a_texture_beside_its_mesh_is_welcome(tmp_path: Path) -> None:
     dae(tmp_path / "fore.dae", "fore.png")
     assert load(tmp_path, arm("fore.dae")).visual_model.ngeoms == 1
+
+
+def test_a_mesh_that_is_not_there_is_a_finding(tmp_path: Path) -> None:
+    (finding,) = (one for one in examine(load(tmp_path, arm("none.stl"))).findings if one.code == "no_mesh")
+    assert (finding.severity, finding.parts) == ("missing", ("fore",))
+    assert finding.message.startswith("not found, so not drawn: link 'fore': none.stl")
 
 
 def test_draws_no_mesh_with_a_document_type(tmp_path: Path) -> None:

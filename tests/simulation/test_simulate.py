@@ -316,6 +316,10 @@ def test_bad_input(puma: ps.Robot) -> None:
             r"the trajectory has 1 joints, robot 'puma560' has 6",
         ),
         (
+            lambda: ps.simulate(puma, move(), controller=ps.Controller(model=ps.load_robot("ur5"))),
+            "the controller's model 'ur5.*' has the joints shoulder_pan_joint, .*, the arm 'puma560' joint1, ",
+        ),
+        (
             lambda: simulate_all(puma, [move()], elastic=2 * [ps.ElasticJoints(stiffness=[1e3], damping=[1.0])]),
             "elastic: 2 given for 1 trajectories",
         ),

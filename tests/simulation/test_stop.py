@@ -177,7 +177,7 @@ def test_the_table_of_annex_b(puma: ps.Robot) -> None:
     assert table.to_csv().splitlines()[0] == "joint,speed,extension,load,duration,angle,others"
 
 
-def test_bad_input(puma: ps.Robot) -> None:
+def test_bad_input(puma: ps.Robot, tmp_path: Path) -> None:
     motion = quick_motion()
     nobody = puma.with_limits(effort=[np.nan, 97.0, 52.0, 10.0, 10.0, 10.0])
     for wrong, message in (
@@ -205,6 +205,10 @@ def test_bad_input(puma: ps.Robot) -> None:
             r"needs the speed limit of each joint, or speed=; not known of joint1, joint2, joint3",
         ),
         (lambda: stop_table(puma, load=1.0, joints=["elbow"]), r"unknown joint 'elbow'"),
+        (
+            lambda: stop_table(wheel(tmp_path), load=1.0, brake_torque=50.0),
+            r"a table of extensions needs an arm with at least 3 joints, robot 'wheel' has 1",
+        ),
     ):
         with pytest.raises(ps.InputError, match=message):
             wrong()

@@ -13,6 +13,7 @@ from scipy.linalg import eigh
 
 import puma_septic as ps
 from puma_septic.dynamics import mass_matrix
+from puma_septic.sizing import _compliance
 from puma_septic.sizing._compliance import windup
 
 # Dense samples miss a peak by this at most.
@@ -110,6 +111,12 @@ def test_a_sizing_tells_of_its_elastic_gears() -> None:
 
 def test_no_backlash_is_no_shift() -> None:
     assert elastic(backlash=0.0).tool_backlash.size == 0.0
+
+
+def test_more_corners_than_can_be_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_compliance, "_MOST_JOINTS", 5)
+    with pytest.raises(ps.InputError, match="6 joints have backlash: more than 5 are too many corners to try"):
+        elastic().tool_backlash  # noqa: B018
 
 
 @pytest.mark.parametrize(

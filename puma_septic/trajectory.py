@@ -110,7 +110,7 @@ class Trajectory:
 
     def _refuse_position_jumps(self) -> None:
         jumps = self.position.jumps()
-        allowed = _JUMP_TOLERANCE[0] * self.position.bounds().max(axis=0)
+        allowed = np.maximum(_JUMP_TOLERANCE[0] * self.position.bounds().max(axis=0), STILL)
         bad = np.abs(jumps.sizes) > allowed
         if bad.any():
             k, j = np.argwhere(bad)[0]

@@ -48,6 +48,12 @@ def test_a_jump_of_the_position_is_refused() -> None:
         from_powers([0.0, 1.0, 2.0], [0.0, 1.0], [1.5, 1.0])
 
 
+def test_a_step_of_the_smallest_number_is_no_jump() -> None:
+    """Of positions about 1e-320 the tolerance was zero, and a via of 5e-324 rad made them jump."""
+    move = ps.quintic_segments([[0.0], [5e-324], [0.0]], [0.0, 1.0, 2.0])
+    assert move.extrema(0).peak <= 1e-320
+
+
 def test_a_jump_is_told_by_the_joint_s_name() -> None:
     position = ps.Piecewise(breaks=[0.0, 1.0, 2.0], coefficients=[[[1.0, 1.0], [1.0, 1.001]]])
     with pytest.raises(ps.InputError, match=r"joint 'elbow': position jumps by 0\.001 rad at t = 1 s"):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.ros_messages import NAMES, message, small_move
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from ruamel.yaml import YAML
 
@@ -554,6 +554,7 @@ def test_yaml_numbers_are_numbers_for_yaml_1_1_too() -> None:
 
 
 @given(st.lists(st.floats(1e-3, 1.0), min_size=1, max_size=5), st.integers(0, 2**32 - 1))
+@example([1.0, 0.0010000000185077544], 27704)
 def test_reading_back_what_was_written_is_the_same_motion(steps: list[float], seed: int) -> None:
     """Law: message -> trajectory -> message keeps points, times and fields."""
     rng = np.random.default_rng(seed)
@@ -566,5 +567,5 @@ def test_reading_back_what_was_written_is_the_same_motion(steps: list[float], se
     again = message_of(interpolated(first, None, np.zeros(2, dtype=bool)), joint_names=("a", "b"))
     assert again.nanoseconds.tolist() == first.nanoseconds.tolist()
     assert np.allclose(again.positions, first.positions, rtol=0, atol=1e-13)
-    # A few roundings of a position over the square of the shortest step, 1 ms.
-    assert np.allclose(again.accelerations, first.accelerations, rtol=0, atol=1e-7)
+    # A few roundings of a position times T_5''(1) = 200 over the square of half the shortest step, 1 ms: 1.8e-7 each.
+    assert np.allclose(again.accelerations, first.accelerations, rtol=0, atol=1e-6)

@@ -159,7 +159,9 @@ def test_a_flipped_bit_is_found_and_the_rest_is_kept(tmp_path: Path) -> None:
     whole = _rows(folder)
     damaged = folder / "chunks" / "00000000.parquet"
     data = bytearray(damaged.read_bytes())
-    data[len(data) // 8] ^= 1
+    column = pq.ParquetFile(damaged).metadata.row_group(0).column(0)
+    start = column.dictionary_page_offset or column.data_page_offset
+    data[start + column.total_compressed_size - 1] ^= 1  # the last of a page, which a checksum covers
     damaged.write_bytes(data)
     with pytest.raises(ps.InputError, match=r"00000000\.parquet: this chunk is damaged .* all others are kept"):
         ps.run_study(study_of(), folder, workers=1)

@@ -20,7 +20,7 @@ from puma_septic.paths import ToolLimits
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_choice
+from puma_septic.validation import Array, checked_choice, checked_list
 
 __all__ = [
     "OBJECTIVES",
@@ -165,7 +165,7 @@ def checked_objectives(names: Iterable[str], *, at_least: int = 1, at_most: int 
     InputError
         For an unknown name, with the valid ones; one that occurs twice; too few or too many.
     """
-    wanted = (names,) if isinstance(names, str) else tuple(names)
+    wanted = (names,) if isinstance(names, str) else checked_list("objectives", names)
     found = tuple(OBJECTIVES[checked_choice("objective", name, OBJECTIVES)] for name in wanted)
     if len(set(wanted)) < len(wanted):
         raise InputError(f"objectives: {', '.join(wanted)}: each can be named only once")

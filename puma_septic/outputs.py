@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+import reprlib
 import shutil
 import stat
 import unicodedata
@@ -60,7 +61,7 @@ def write_file(path: str | Path, content: str | bytes, *, overwrite: bool = Fals
     ...     path.read_text()
     'once'
     """
-    target = Path(path)
+    target = _path(path)
     checked_flag("overwrite", overwrite)
     try:
         if os.path.lexists(target) and not overwrite:
@@ -103,7 +104,7 @@ def new_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
     InputError
         If the folder has content, which is overwritten only on request, or cannot be written.
     """
-    target = _checked(Path(path), overwrite=checked_flag("overwrite", overwrite))
+    target = _checked(_path(path), overwrite=checked_flag("overwrite", overwrite))
     exists = target.is_dir()
     try:
         with _unfinished(_workshop(target), is_folder=True) as partial:
@@ -140,6 +141,13 @@ def file_names(names: Sequence[str]) -> list[str]:
         found.append(next(one for one in numbered if one.casefold() not in taken))
         taken.add(found[-1].casefold())
     return found
+
+
+def _path(path: str | Path) -> Path:
+    try:
+        return Path(path)
+    except TypeError as error:
+        raise InputError(f"expected the path of a file or folder, got {reprlib.repr(path)}") from error
 
 
 def _checked(path: Path, *, overwrite: bool) -> Path:

@@ -15,7 +15,17 @@ from puma_septic.piecewise import Extrema, Jumps, Piecewise
 from puma_septic.piecewise.directions import STILL, find_directions
 from puma_septic.piecewise.matrices import end_derivatives
 from puma_septic.quantities import MOTION
-from puma_septic.validation import Array, checked_array, checked_each, checked_flag, checked_times, frozen, read_only
+from puma_septic.validation import (
+    Array,
+    checked_array,
+    checked_each,
+    checked_flag,
+    checked_kind,
+    checked_texts,
+    checked_times,
+    frozen,
+    read_only,
+)
 
 __all__ = ["Trajectory"]
 
@@ -97,7 +107,10 @@ class Trajectory:
 
     def __post_init__(self) -> None:
         times = checked_times("times", self.times)
-        n = self.position.n_components
+        n = checked_kind("position", self.position, Piecewise).n_components
+        checked_kind("profile", self.profile, str)
+        for name in ("joint_names", "doubts", "remarks"):
+            object.__setattr__(self, name, checked_texts(name, getattr(self, name)))
         for name in ("rest_before", "rest_after"):
             object.__setattr__(self, name, checked_flag(name, getattr(self, name)))
         object.__setattr__(self, "resolution", _per_joint_resolution(self.resolution, n))

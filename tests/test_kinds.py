@@ -18,6 +18,7 @@ Q = [0.0, 0.5, -2.5, 0.0, 0.7, 0.0]
 MOVE = ps.quintic_segments([Q, [0.1] * 6], [0.0, 1.0], joint_names=PUMA.joint_names)
 MOTION = ps.compute_motion(PUMA, MOVE)
 RESULT = ps.assess(MOTION)
+LINE = paths.line(ps.forward_kinematics(PUMA, Q), ps.forward_kinematics(PUMA, Q)[:3, 3] + [0.0, 0.0, 0.01])
 
 ROBOTS: dict[str, Callable[[Any], Any]] = {
     "acceleration_limits": lambda x: ps.acceleration_limits(x),
@@ -39,6 +40,12 @@ ROBOTS: dict[str, Callable[[Any], Any]] = {
     "tool_motion": lambda x: ps.tool_motion(x, Q, Q, Q),
     "torque_terms": lambda x: ps.torque_terms(x, Q, Q, Q),
     "worst_holding_torque": lambda x: ps.worst_holding_torque(x),
+    "doctor.examine": lambda x: ps.doctor.examine(x),
+    "doctor.doubts": lambda x: ps.doctor.doubts(x),
+    "stiffness_for": lambda x: ps.vibration.stiffness_for(x, Q, 9.0),
+    "with_drive_masses": lambda x: ps.sizing.with_drive_masses(x, [1.0] * 6),
+    "tool_rates": lambda x: paths.tool_rates(x, MOVE),
+    "follow": lambda x: paths.follow(x, LINE),
 }
 MOTIONS: dict[str, Callable[[Any], Any]] = {
     "duration_sweep": lambda x: ps.duration_sweep(x, [1.0]),
@@ -49,6 +56,7 @@ MOTIONS: dict[str, Callable[[Any], Any]] = {
     "stop": lambda x: ps.stop(x, 0.5),
     "torque_uncertainty": lambda x: ps.torque_uncertainty(x),
     "way back": lambda x: ps.cycle.with_return(x),
+    "payload_over_duration": lambda x: ps.payload_over_duration(x, [1.0]),
 }
 OTHERS: dict[str, Callable[[Any], Any]] = {
     "at_speed": lambda x: paths.at_speed(x, speed=1.0, acceleration=1.0),
@@ -64,6 +72,23 @@ OTHERS: dict[str, Callable[[Any], Any]] = {
     "limits": lambda x: PUMA.with_limits(x) if x is not None else PUMA.with_limits(1),
     "actuators": lambda x: PUMA.with_actuators(x),
     "drivetrains": lambda x: PUMA.with_drivetrains(x),
+    "trajectories of judge_many": lambda x: ps.judge_many(PUMA, x),
+    "fit_residual": lambda x: ps.fit_residual(x),
+    "path of follow": lambda x: paths.follow(PUMA, x),
+    "path of in_time": lambda x: paths.in_time(x, 1.0),
+    "law": lambda x: paths.timed(paths.follow(PUMA, LINE), x),
+    "way": lambda x: paths.timed(x, paths.in_time(LINE, 1.0)),
+    "trajectory of tool_rates": lambda x: paths.tool_rates(PUMA, x),
+    "shaper": lambda x: ps.vibration.shaped(MOVE, x),
+    "trajectory of shaped": lambda x: ps.vibration.shaped(x, ps.vibration.input_shaper("zv", 9.0)),
+    "nulling_durations": lambda x: ps.vibration.nulling_durations(x, 9.0, longest=1.0),
+    "trajectories of execute": lambda x: ps.execute(PUMA, x) if x != {"a": 1} else ps.execute(PUMA, 1),
+    "cycle of joint_load": lambda x: ps.sizing.joint_load(x, 0),
+    "resolved": lambda x: ps.sizing.load_cases_of(x),
+    "motors": lambda x: ps.Catalogue(motors=[x], gearboxes=[]),
+    "position of a trajectory": lambda x: ps.Trajectory(position=x, points=[[0.0], [1.0]], times=[0.0, 1.0]),
+    "motion that is written": lambda x: ps.write_joint_trajectory("never.yaml", x),
+    "profile to be optimised": lambda x: ps.optimise_via_times(x, [Q, Q, Q], [0.0, 1.0, 2.0]),
     "what of a report": lambda x: ps.report_html(x),
     "what of a replay": lambda x: ps.replay_html(x),
 }
@@ -76,8 +101,17 @@ PLACES: dict[str, Callable[[Any], Any]] = {
     "read_joint_trajectory": lambda x: ps.read_joint_trajectory(x, PUMA),
     "package_dirs": lambda x: ps.load_robot(package_dirs=[x]),
     "actuators of load_robot": lambda x: ps.load_robot(actuators=x),
+    "load_study": lambda x: ps.load_study(x),
+    "write_report": lambda x: ps.write_report(x, RESULT),
+    "write_replay": lambda x: ps.write_replay(x, MOTION),
+    "write_joint_trajectory": lambda x: ps.write_joint_trajectory(x, MOVE),
 }
 LISTS: dict[str, Callable[[Any], Any]] = {
+    "joint names of a trajectory": lambda x: ps.Trajectory(
+        position=MOVE.position, points=MOVE.points, times=MOVE.times, joint_names=x
+    ),
+    "own": lambda x: ps.compare(PUMA, [Q, [0.1] * 6], [0.0, 1.0], own=x),
+    "joints of a load case": lambda x: ps.sizing.LoadCase(name="c", cycle=ps.cycle.with_return(MOTION), joints=x),
     "joint_names": lambda x: ps.septic([[0.0]] * 4, [0.0, 1.0, 2.0, 3.0], joint_names=x),
     "names": lambda x: ps.assess_cycle(ps.cycle.with_return(MOTION), names=x),
     "allow": lambda x: ps.check_trajectory(PUMA, MOVE, allow=x),
@@ -93,7 +127,9 @@ STRANGE = [True, 3, 2.5, "x", object(), float("nan"), b"1", {"a": 1}]
 @pytest.mark.parametrize("name", [*ROBOTS, *MOTIONS, *OTHERS])
 def test_what_is_none_of_ours_is_refused(name: str, value: Any) -> None:
     """Some 45 public functions answered True in place of a robot with "'bool' object has no attribute 'n_joints'"."""
-    with pytest.raises(ps.InputError, match=r"expected|takes|made of|shows|not a|needed|steps\[0\]|at least one"):
+    with pytest.raises(
+        ps.InputError, match=r"expected|takes|made of|shows|not a|needed|needs|cannot be|steps\[0\]|at least one"
+    ):
         (ROBOTS | MOTIONS | OTHERS)[name](value)
 
 
@@ -138,3 +174,32 @@ def test_kinds_lists_and_texts() -> None:
     for value in ("ab", b"ab", 3):
         with pytest.raises(ps.InputError, match=r"^x: expected a list"):
             checked_texts("x", value)
+
+
+COUNTS: dict[str, Callable[[Any], Any]] = {
+    "samples": lambda x: ps.torque_uncertainty(MOTION, mass=0.1, samples=x),
+    "starts": lambda x: ps.inverse_kinematics(PUMA, np.eye(4), starts=x),
+    "restarts": lambda x: ps.optimise_via_times(ps.septic, [Q] * 4, [0.0, 1.0, 2.0, 3.0], restarts=x),
+    "size": lambda x: ps.pareto_front(
+        ps.profiles.cubic_spline, [Q, [0.1] * 6, Q], 2.0, objectives=("duration", "overshoot"), size=x
+    ),
+    "port": lambda x: ps.replay(MOTION, open_browser=False, port=x),
+    "j": lambda x: ps.sizing.joint_load(ps.cycle.with_return(MOTION), x),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("value", [2.0, "3", -1, 10**400], ids=lambda one: str(one)[:9])
+@pytest.mark.parametrize("name", COUNTS)
+def test_a_count_is_a_whole_number_within_bounds(name: str, value: Any) -> None:
+    """10**400 samples were NumPy's ValueError, 32.7 starts 32 of them."""
+    with pytest.raises(ps.InputError, match=rf"^{name} = .*: expected a whole number from \d+ to \d+$"):
+        COUNTS[name](value)
+
+
+def test_a_generator_is_one() -> None:
+    for call in (
+        lambda: ps.torque_uncertainty(MOTION, mass=0.1, rng=0),  # type: ignore[arg-type]
+        lambda: ps.inverse_kinematics(PUMA, np.eye(4), rng="x"),  # type: ignore[arg-type]
+    ):
+        with pytest.raises(ps.InputError, match=r"^rng: expected Generator\(\.\.\.\), got"):
+            call()

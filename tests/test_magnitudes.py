@@ -74,6 +74,46 @@ def test_the_bound_is_far_above_any_arm() -> None:
         checked_number("limit", 1e-31, unit="N", above=0.0)
 
 
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda x: ps.residual_vibration(MOVE, [2.0, x]), r"frequency\[1\]"),
+        (lambda x: ps.profiles.double_s([[0.0], [1.0]], max_velocity=1, max_acceleration=x, max_jerk=1), "max_acc"),
+        (lambda x: ps.within_limits("quintic", [[0.0], [1.0]], max_velocity=x), "max_velocity"),
+        (lambda x: ps.lspb([[0.0], [1.0]], durations=[x], blend_time=0.0), r"durations\[0\]"),
+        (lambda x: PUMA.with_limits(effort=x), r"effort limit\[0\]"),
+        (lambda x: ps.Controller(bandwidth=[1.0, x]), r"bandwidth\[1\]"),
+        (lambda x: ps.Gearbox(stiffness=[x]), r"stiffness\[0\]"),
+        (lambda x: ps.sizing.Conditions(altitude=[x]), r"altitude\[0\]"),
+        (lambda x: ps.sizing.bearing_life(x, equivalent=1.0, mean_speed=1.0), "dynamic_load"),
+        (lambda x: ps.paths.circle(np.eye(4), centre=[1, 0, 0], axis=[0, 0, 1], angle=x), "the magnitude of angle"),
+    ],
+)
+def test_what_is_too_small_to_divide_by_is_refused(call: Callable[[float], Any], message: str) -> None:
+    """A limit of 1e-320 ended in overflows of NumPy, whose warnings were all that was to be seen."""
+    with pytest.raises(ps.InputError, match=rf"^{message}.* = 1e-310 .*must be at least 1e-30"):
+        call(1e-310)
+
+
+def test_no_frequency_no_family_no_limits() -> None:
+    with pytest.raises(ps.InputError, match=r"^frequency: at least one natural frequency is needed, in Hz$"):
+        ps.residual_vibration(MOVE, [])
+    with pytest.raises(ps.InputError, match=r"^unknown family \[\]; valid: "):
+        ps.within_limits([], [[0.0], [1.0]], max_velocity=1.0)  # type: ignore[arg-type]
+    with pytest.raises(ps.InputError, match=r"^acceleration limit: shape \(0,\) is not \(1,\)$"):
+        ps.Limits(position=[[0, 1]], velocity=[1], acceleration=[], jerk=[1], effort=[1])  # type: ignore[arg-type]
+
+
+def test_what_is_not_known_of_a_bearing_stays_unknown() -> None:
+    assert np.isnan(ps.sizing.bearing_life(np.nan, equivalent=1.0, mean_speed=1.0))
+    assert ps.sizing.bearing_life(1e4, equivalent=0.0, mean_speed=1.0) == np.inf
+    assert np.isnan(ps.sizing.equivalent_load(1.0, 1.0, 1.0, diameter=np.nan))
+    with pytest.raises(ps.InputError, match=r"^tilting = -1 N m must be at least 0 N m$"):
+        ps.sizing.equivalent_load(1.0, 1.0, -1.0, diameter=0.1)
+    with pytest.raises(ps.InputError, match=r"^time_constant = 0 s must be greater than 0 s$"):
+        ps.sizing.overload_time(2.0, 0.0)
+
+
 def test_a_limit_may_be_as_large_as_a_float() -> None:
     """FLT_MAX and DBL_MAX stand for "none" in some robot descriptions."""
     free = PUMA.with_limits(velocity=3.4028235e38, effort=sys.float_info.max)

@@ -18,7 +18,7 @@ from puma_septic.piecewise import matrices
 from puma_septic.piecewise.peaks import hidden, ranges
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array
+from puma_septic.validation import Array, checked_list
 
 __all__ = ["ManyVerdicts", "judge_many"]
 
@@ -106,7 +106,7 @@ def judge_many(robot: Robot, trajectories: Iterable[Trajectory]) -> ManyVerdicts
     >>> verdicts.is_feasible.tolist(), verdicts.certificate.tolist()
     ([False, True, True], ['proved', 'proved', 'proved'])
     """
-    given = list(trajectories)
+    given = checked_list("trajectories", trajectories)
     check_trajectories(robot, given)
     blocks = [_proved(robot, given[k : k + BLOCK]) for k in range(0, len(given), BLOCK)]
     kept, broken = (np.concatenate(part) for part in zip(*blocks, strict=True))

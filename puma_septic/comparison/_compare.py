@@ -15,7 +15,7 @@ from puma_septic.objectives import Candidate, checked_objectives
 from puma_septic.paths import ToolLimits
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import checked_array, checked_kind, checked_number, checked_times
+from puma_septic.validation import checked_array, checked_kind, checked_number, checked_texts, checked_times
 
 __all__ = ["compare"]
 
@@ -92,8 +92,11 @@ def compare(
     instants = checked_times("times", times, len(vias))
     dwell = checked_number("dwell", dwell, unit="s", at_least=0.0)
     chosen = checked_objectives(objectives)
-    made, unsuitable = make_profiles(robot, vias, instants, names=profiles, options=options or {}, own=own)
-    made = {**(beside or {}), **made}
+    names = None if profiles is None else checked_texts("profiles", profiles)
+    given = {} if options is None else checked_kind("options", options, Mapping)
+    made, unsuitable = make_profiles(robot, vias, instants, names=names, options=given, own=checked_texts("own", own))
+    others = {} if beside is None else checked_kind("beside", beside, Mapping)
+    made = {**{name: checked_kind(f"beside {name!r}", one, Trajectory) for name, one in others.items()}, **made}
     if not made:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in unsuitable.items())
         raise InputError(f"no profile suits these points and times: {reasons}")

@@ -278,4 +278,4 @@ def way_back(motion: Motion, robot: Robot | None = None) -> Motion:
         rest_before=trajectory.rest_after,
         rest_after=trajectory.rest_before,
     )
-    return compute_motion(robot or motion.robot, back)
+    return compute_motion(motion.robot if robot is None else robot, back)

@@ -11,6 +11,7 @@ from puma_septic.doctor._finding import ANSWERS, Finding
 from puma_septic.doctor._limits import limit_findings
 from puma_septic.document import SCHEMAS
 from puma_septic.robot import Robot
+from puma_septic.validation import checked_kind
 from puma_septic.views import doctor as view
 
 __all__ = ["Examination", "doubts", "examine"]
@@ -95,6 +96,7 @@ def examine(robot: Robot) -> Examination:
     >>> ps.doctor.examine(robot.with_limits(effort=1000.0)).verdicts["effort limits"]
     'doubtful'
     """
+    checked_kind("robot", robot, Robot)
     found = (*_quick(robot), *mesh_findings(robot), *_drive_findings(robot))
     order = ("impossible", "doubtful", "missing")
     return Examination(robot=robot, findings=tuple(sorted(found, key=lambda finding: order.index(finding.severity))))
@@ -112,7 +114,7 @@ def doubts(robot: Robot) -> tuple[str, ...]:
     told = ("inertia_impossible",)
     return tuple(
         f"doubtful {finding.answer}: {finding.message}"
-        for finding in _quick(robot)
+        for finding in _quick(checked_kind("robot", robot, Robot))
         if finding.severity != "missing" and finding.code not in told
     )
 

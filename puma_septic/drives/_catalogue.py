@@ -16,7 +16,7 @@ from puma_septic.drives._gearbox import Gearbox
 from puma_septic.drives._motor import Motor
 from puma_septic.errors import InputError
 from puma_septic.friction import Friction
-from puma_septic.validation import Array, FrozenMap, checked_array, frozen
+from puma_septic.validation import Array, FrozenMap, checked_array, checked_kind, checked_list, checked_texts, frozen
 
 __all__ = ["Catalogue", "Pair"]
 
@@ -84,15 +84,19 @@ class Catalogue:
     gearbox_index: NDArray[np.int64] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        for name in ("motors", "gearboxes", "drives", "unused", "refused"):
-            object.__setattr__(self, name, tuple(getattr(self, name)))
+        for name, kind in (("motors", Motor), ("gearboxes", Gearbox), ("drives", Drive)):
+            parts = checked_list(name, getattr(self, name))
+            object.__setattr__(self, name, tuple(checked_kind(name, part, kind) for part in parts))
+        for name in ("unused", "refused"):
+            object.__setattr__(self, name, checked_texts(name, getattr(self, name)))
         places = {"motor": _places("motor", self.motors), "gearbox": _places("gearbox", self.gearboxes)}
         if self.drives and len(self.drives) != len(self.motors):
             raise InputError(f"{len(self.drives)} drives for {len(self.motors)} motors: expected one of each")
         if self.pairs is None:
             first, second = (grid.ravel() for grid in np.indices((len(self.motors), len(self.gearboxes))))
         else:
-            object.__setattr__(self, "pairs", tuple(self.pairs))
+            pairs = tuple(checked_kind("pairs", pair, Pair) for pair in checked_list("pairs", self.pairs))
+            object.__setattr__(self, "pairs", pairs)
             found = [(_found("motor", p.motor, places), _found("gearbox", p.gearbox, places)) for p in self.pairs]
             if len(set(found)) < len(found):
                 twice = next(pair for k, pair in enumerate(found) if pair in found[:k])

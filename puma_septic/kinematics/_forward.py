@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from puma_septic.errors import InputError
 from puma_septic.kinematics._chain import chain_to, checked_joint_values, cross, end_frame, frames
 from puma_septic.robot import Robot
-from puma_septic.validation import Array, n_dimensions, read_only
+from puma_septic.validation import Array, checked_kind, n_dimensions, read_only
 
 __all__ = [
     "LowestPoints",
@@ -155,6 +155,8 @@ def forward_kinematics(robot: Robot, q: ArrayLike, *, frame: str | None = None) 
     array([ 0.4521 , -0.15005,  1.10363])
     """
     values = checked_joint_values(robot, "q", q)
+    if frame is not None:
+        checked_kind("frame", frame, str)
     columns = end_frame(chain_to(robot, frame), values.T)
     pose = np.zeros((len(values), 4, 4))
     pose[:, :3] = columns.transpose(2, 1, 0)

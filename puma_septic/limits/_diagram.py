@@ -16,7 +16,7 @@ from puma_septic.kinematics import checked_joint_values
 from puma_septic.limits._payload import maximum_payload
 from puma_septic.motion import Motion
 from puma_septic.robot import Robot
-from puma_septic.validation import Array, checked_array, read_only
+from puma_septic.validation import Array, checked_array, checked_list, read_only
 
 __all__ = ["PayloadPolygon", "payload_diagram", "payload_polygon"]
 
@@ -200,7 +200,7 @@ def payload_diagram(
     InputError
         As `maximum_payload`, and for no motion at all.
     """
-    some = [motions] if isinstance(motions, Motion) else list(motions)
+    some = (motions,) if isinstance(motions, Motion) else checked_list("motions", motions)
     if not some:
         raise InputError("motions: at least one is needed")
     distances = checked_array("offsets", offsets, (None,), unit="m")

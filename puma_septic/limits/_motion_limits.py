@@ -18,7 +18,7 @@ from puma_septic.limits._payload import Load, MaximumPayload, checked_load, mass
 from puma_septic.limits._stretching import load_torque, rate_torque
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.paths import ToolLimits
-from puma_septic.validation import Array, checked_array, read_only
+from puma_septic.validation import Array, checked_array, checked_kind, read_only
 
 __all__ = ["MotionLimits", "motion_limits", "payload_over_duration"]
 
@@ -159,7 +159,8 @@ def payload_over_duration(
     InputError
         For friction that is not viscous plus constant.
     """
-    times, robot = checked_array("durations", durations, (None,), unit="s"), motion.robot
+    robot = checked_kind("motion", motion, Motion).robot
+    times = checked_array("durations", durations, (None,), unit="s", above=0.0)
     load = checked_load(robot, com, gyration)
     bare = motion if robot.payload is None else compute_motion(robot.with_payload(None), motion.trajectory)
     first = assess(bare, floor=floor, tool_limits=tool_limits)

@@ -34,7 +34,15 @@ from puma_septic.logs._spline import (
 from puma_septic.logs._spread import Spread, noise_doubts, sample_doubts, sample_remarks, through
 from puma_septic.logs._suspicions import suspicions
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, checked_choice, checked_each, checked_texts, checked_times
+from puma_septic.validation import (
+    Array,
+    checked_array,
+    checked_choice,
+    checked_each,
+    checked_kind,
+    checked_texts,
+    checked_times,
+)
 
 __all__ = ["FitResidual", "LogFit", "fit_log", "fit_residual", "fit_samples", "fit_trajectory"]
 
@@ -304,7 +312,7 @@ def fit_residual(trajectory: Trajectory) -> FitResidual:
     -------
     FitResidual
     """
-    difference = trajectory.points - trajectory(trajectory.times)
+    difference = checked_kind("trajectory", trajectory, Trajectory).points - trajectory(trajectory.times)
     return FitResidual(max=np.abs(difference).max(axis=0), rms=np.sqrt((difference**2).mean(axis=0)))
 
 

@@ -23,6 +23,7 @@ from puma_septic.validation import (
     checked_choice,
     checked_each,
     checked_kind,
+    checked_list,
     checked_number,
 )
 from puma_septic.views.tables import Cell, text_table
@@ -69,7 +70,7 @@ def excess_function(
 
 def checked_quantities(keep: Sequence[str]) -> tuple[str, ...]:
     """Names of limits; one name alone is meant as such."""
-    names = (keep,) if isinstance(keep, str) else tuple(keep)
+    names = (keep,) if isinstance(keep, str) else checked_list("keep", keep)
     return tuple(checked_choice("limit", name, QUANTITIES) for name in names)
 
 
@@ -258,7 +259,7 @@ def known_quantities(robot: Robot | None) -> tuple[str, ...]:
     """Quantities of which the robot has a limit for some joint; effort only where its torque can be computed."""
     if robot is None:
         return ()
-    limits = robot.limits
+    limits = checked_kind("robot", robot, Robot).limits
     known = [name for name in QUANTITIES if not np.isnan(getattr(limits, name)).all()]
     return tuple(name for name in known if QUANTITIES[name].signal == "position" or robot.knows_torque.any())
 

@@ -37,7 +37,7 @@ from puma_septic.paths import ToolLimits
 from puma_septic.quantities import COMMON, MOTION
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_each, checked_whole, frozen, n_dimensions, numbers
+from puma_septic.validation import Array, checked_each, checked_times, checked_whole, frozen, n_dimensions
 from puma_septic.views.tables import Cell
 
 __all__ = ["LeastTime", "least_time"]
@@ -260,7 +260,7 @@ def least_time(
     """
     quantities = _respected(robot, keep)
     check_cell(robot, floor, tool_limits)
-    total = 1.0 if n_dimensions(times) == 0 else numbers("times", times) / float(np.ptp(numbers("times", times)))
+    total = 1.0 if n_dimensions(times) == 0 else _shares(checked_times("times", times))
     untimed = [name for name in quantities if name == "position"]
     setting = checked_setting(
         make,
@@ -302,6 +302,11 @@ def least_time(
         n_cut=sum(one.is_cut for one in found),
         verdict=verdict,
     )
+
+
+def _shares(times: Array) -> Array:
+    """Times in a total of 1; a single one, which `checked_setting` refuses, as it is."""
+    return times / float(np.ptp(times)) if len(times) > 1 else times
 
 
 def _respected(robot: Robot | None, keep: Sequence[str] | None) -> tuple[str, ...]:

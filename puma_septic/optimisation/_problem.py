@@ -25,7 +25,7 @@ from puma_septic.optimisation._variables import MakeTrajectory, Variables, check
 from puma_septic.paths import ToolLimits
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_number, checked_whole
+from puma_septic.validation import Array, checked_kind, checked_number, checked_whole
 
 __all__ = [
     "MOST_RESTARTS",
@@ -179,7 +179,7 @@ def checked_setting(
     """The setting of these arguments, with `least` points or more; see `optimise_via_times` for the others."""
     variables = checked_variables(make, points, times, free, least=least)
     n_joints = variables.points.shape[1]
-    if robot is not None and robot.n_joints != n_joints:
+    if robot is not None and checked_kind("robot", robot, Robot).n_joints != n_joints:
         raise InputError(f"points: {n_joints} joints, but robot {robot.name!r} has {robot.n_joints}")
     quantities = checked_quantities(keep)
     check_cell(robot, floor, tool_limits)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from inspect import signature
@@ -12,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from puma_septic.errors import InputError
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, checked_choice, checked_times, n_dimensions
+from puma_septic.validation import Array, checked_array, checked_choice, checked_list, checked_times, n_dimensions
 
 __all__ = ["FREE", "MakeTrajectory", "Variables", "checked_variables"]
 
@@ -164,12 +165,12 @@ def checked_variables(
         )
         raise InputError(f"{reason}: got {len(vias)} points")
     start = checked_times("times", _default_times(vias, times) if n_dimensions(times) == 0 else times, len(vias))
-    names = (free,) if isinstance(free, str) else tuple(free)
-    label = getattr(make, "__name__", "this profile")
-    parameters = signature(make).parameters
+    names = (free,) if isinstance(free, str) else checked_list("free", free)
+    label = getattr(make, "__name__", reprlib.repr(make))
     try:
+        parameters = signature(make).parameters
         signature(make).bind(vias, start)
-    except TypeError as error:
+    except (TypeError, ValueError) as error:  # the latter for what is built in, and does not tell its arguments
         raise InputError(
             f"{label} cannot be made from points and times alone, so its times cannot be chosen"
         ) from error

@@ -167,8 +167,7 @@ def circle(
     checked_choice("orientation", orientation, ("held", "tangent"))
     if np.linalg.norm(axis) == 0:
         raise InputError("axis = [0, 0, 0] has no direction")
-    if angle == 0:
-        raise InputError("angle = 0 rad: the circle has no length")
+    checked_number("the magnitude of angle", abs(angle), unit="rad", above=0.0)
     unit = axis * np.sign(angle) / np.linalg.norm(axis)
     foot = centre + ((start - centre) @ unit) * unit
     return _round("circle", rotation, start, foot, unit, abs(angle), orientation, None)

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.kinematics import (
     chain_to,
-    checked_joint_values,
     has_closed_form,
     inverse_kinematics,
     singularity_distances,
@@ -22,7 +21,7 @@ from puma_septic.paths._following import Branches, Guide, beyond_limit, off_path
 from puma_septic.paths._path import Path
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
-from puma_septic.validation import Array, checked_choice
+from puma_septic.validation import Array, checked_array, checked_choice, checked_kind
 
 __all__ = ["Constraint", "JointPath", "follow"]
 
@@ -115,7 +114,9 @@ def follow(
     'right-up-noflip'
     """
     conditions = _CONDITIONS[checked_choice("constrain", constrain, tuple(_CONDITIONS))]
-    near = None if start is None else checked_joint_values(robot, "start", start)[0]
+    checked_kind("path", path, Path)
+    n = checked_kind("robot", robot, Robot).n_joints
+    near = None if start is None else checked_array("start", start, (n,))
     if conditions == 6 and has_closed_form(robot):  # which only arms of six joints and full rank have
         return _on_branch(Follower(robot=robot, conditions=6, rank=6), path, branch, near)
     follower = Follower.of(robot, conditions)

@@ -101,7 +101,8 @@ def in_time(
     1.0
     """
     time = checked_number("duration", duration, unit="s", above=0.0)
-    return profiles.make(profile, [[0.0], [path.length]], [0.0, time], options=options)
+    length = checked_kind("path", path, Path).length
+    return profiles.make(profile, [[0.0], [length]], [0.0, time], options=options)
 
 
 # A law may miss the ends of its path by this part of the length.
@@ -178,7 +179,7 @@ def timed(way: JointPath, law: Trajectory | Piecewise) -> Trajectory:
     InputError
         For a law of more than one component, or one that does not lead from 0 to the length, or beyond.
     """
-    distance = _checked_law(way.path, law)
+    distance = _checked_law(checked_kind("way", way, JointPath).path, law)
     places = way.position.breaks[1:-1]
     if len(places):
         distance = distance.split(np.concatenate((distance[[0] * len(places)] - places).roots()))
@@ -213,7 +214,7 @@ def _composed(way: Piecewise, distance: Piecewise) -> Callable[[NDArray[np.int64
 
 def _checked_law(path: Path, law: Trajectory | Piecewise) -> Piecewise:
     """The distance over time, from 0 to the length of the path."""
-    distance = law.position if isinstance(law, Trajectory) else law
+    distance = law.position if isinstance(law, Trajectory) else checked_kind("law", law, Piecewise)
     if distance.n_components != 1:
         raise InputError(f"law: {distance.n_components} components; a law of time has one, the distance covered in m")
     extrema, slack = distance.extrema(), _SAME_LENGTH * path.length

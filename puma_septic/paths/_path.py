@@ -144,4 +144,4 @@ def _on_pieces(state: Piecewise, piece: NDArray[np.int64], s: Array) -> Array:
     """Values of all orders, (orders, n, 5), each read from its piece, also at a break."""
     left, right = state.offsets[piece], state.offsets[piece + 1]
     values = state.at(piece, np.clip((2 * s - left - right) / (right - left), -1.0, 1.0))
-    return values.reshape(len(s), -1, 5).transpose(1, 0, 2)
+    return values.reshape(len(s), values.shape[1] // 5, 5).transpose(1, 0, 2)

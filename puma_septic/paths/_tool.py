@@ -14,7 +14,7 @@ from puma_septic.limit_check import LimitCheck
 from puma_septic.piecewise import Piecewise
 from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, checked_choice, checked_number
+from puma_septic.validation import Array, checked_array, checked_choice, checked_kind, checked_number
 
 __all__ = ["TOOL", "ToolLimits", "ToolRates", "tool_rates"]
 
@@ -60,6 +60,7 @@ class ToolLimits:
     source: str = ""
 
     def __post_init__(self) -> None:
+        checked_kind("source", self.source, str)
         if not self.known:
             raise InputError("tool limits: give one of speed, acceleration, jerk or angular_speed")
         units = {quantity.replace(" ", "_"): _QUANTITIES[quantity][2] for quantity in self.known}
@@ -182,8 +183,8 @@ def tool_rates(robot: Robot, trajectory: Trajectory) -> ToolRates:
     InputError
         For a trajectory of another number of joints.
     """
-    n = robot.n_joints
-    if trajectory.n_joints != n:
+    n = checked_kind("robot", robot, Robot).n_joints
+    if checked_kind("trajectory", trajectory, Trajectory).n_joints != n:
         raise InputError(f"trajectory: {trajectory.n_joints} joints, {robot.name} has {n}")
 
     def moved(state: Array) -> Array:

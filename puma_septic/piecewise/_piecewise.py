@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -16,7 +17,16 @@ from puma_septic.piecewise import matrices
 from puma_septic.piecewise._fitting import Intervals, fit_series
 from puma_septic.piecewise._results import Extrema, Jumps
 from puma_septic.piecewise._search import find_extrema, find_sign_changes
-from puma_septic.validation import Array, checked_array, checked_times, frozen, n_dimensions, numbers, read_only
+from puma_septic.validation import (
+    Array,
+    checked_array,
+    checked_number,
+    checked_times,
+    frozen,
+    n_dimensions,
+    numbers,
+    read_only,
+)
 
 __all__ = ["Piecewise"]
 
@@ -131,6 +141,9 @@ class Piecewise:
         not seen; give it a break.
         """
         times = _checked_breaks(breaks)
+        checked_number("tolerance", tolerance, above=0.0)
+        if not callable(f):
+            raise InputError(f"f: expected a function of time, got {reprlib.repr(f)}")
 
         def sample(intervals: Intervals, x: Array) -> Array:
             left, right, x = times[intervals.piece, None], times[intervals.piece + 1, None], intervals.points(x)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from puma_septic.errors import InputError
 from puma_septic.profiles._info import ProfileInfo
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import checked_choice, checked_times
+from puma_septic.validation import checked_choice, checked_kind, checked_times
 
 __all__ = ["Family", "Registry"]
 
@@ -148,7 +148,8 @@ class Registry:
         >>> float(move.duration)
         2.0
         """
-        family, options = self.family(name), dict(options or {})
+        family = self.family(name)
+        options = {} if options is None else dict(checked_kind("options", options, Mapping))
         unknown = [key for key in options if key not in family.options]
         if unknown:
             valid = ", ".join(family.options) or "none"

@@ -109,6 +109,9 @@ def load_robot(
     """
     _check_pinocchio()
     down = checked_array("gravity", gravity, (3,), unit="m/s^2")
+    for name, chosen_set in (("parameters", parameters), ("limits", limits)):
+        if chosen_set is not None:
+            checked_kind(name, chosen_set, str)
     positions, lock_others = named_locks(locked)
     urdf_path, actuator_path = _paths(source, actuators)
     text = read_urdf(urdf_path)

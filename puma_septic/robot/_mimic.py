@@ -96,7 +96,8 @@ def inertia_matrices(model: pin.Model, configurations: Sequence[Array], *, mimic
         free.gravity = pin.Motion.Zero()
         data = free.createData()
         columns = [[pin.rnea(free, data, q, still, unit).copy() for unit in np.eye(model.nv)] for q in configurations]
-        return np.array(columns).transpose(0, 2, 1)
+        return np.array(columns).reshape(-1, model.nv, model.nv).transpose(0, 2, 1)
     data = model.createData()
-    upper = np.triu([pin.crba(model, data, q).copy() for q in configurations])  # the triangle that it fills
+    found = np.array([pin.crba(model, data, q).copy() for q in configurations]).reshape(-1, model.nv, model.nv)
+    upper = np.triu(found)  # the triangle that it fills
     return np.asarray(upper + np.triu(upper, 1).transpose(0, 2, 1))

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-import stat
+import os
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
 from os import PathLike
@@ -16,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from puma_septic.errors import InputError
-from puma_septic.files import checked_path, decoded, kind_of, read_bytes
+from puma_septic.files import checked_path, decoded, read_bytes
 from puma_septic.robot import Robot
 from puma_septic.ros._faults import Fault, JointTrajectoryError
 from puma_septic.ros._interpolation import in_robot_order, interpolated
@@ -128,7 +127,11 @@ def read_joint_trajectory(
     planned = read_joint_trajectories(path, robot, start=start)
     if index is None and len(planned) > 1:
         raise InputError(f"{path}: {len(planned)} trajectories in it; index=0 to {len(planned) - 1} takes one of them")
-    chosen = 0 if index is None else checked_whole("index", index, at_least=0, at_most=len(planned) - 1)
+    chosen = (
+        0
+        if index is None
+        else checked_whole(f"index of a trajectory in {path}", index, at_least=0, at_most=len(planned) - 1)
+    )
     return planned[chosen].trajectory
 
 
@@ -205,9 +208,7 @@ def is_bag(path: Path) -> bool:
     -------
     bool
     """
-    with suppress(OSError, ValueError):  # no path at all, which whoever reads it tells
-        return path.suffix == ".mcap" or stat.S_ISDIR(kind_of(path))
-    return False
+    return os.path.isdir(path) or path.suffix == ".mcap"  # where Path raises, as for a name too long, it is none
 
 
 def recorded_topics(path: str | PathLike[str]) -> dict[str, str]:

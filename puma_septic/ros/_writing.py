@@ -10,13 +10,14 @@ from typing import Any, Final
 import numpy as np
 
 from puma_septic.errors import InputError
+from puma_septic.files import checked_path
 from puma_septic.outputs import write_file
 from puma_septic.piecewise import Piecewise
 from puma_septic.ros._interpolation import spline_powers
 from puma_septic.ros._message import JointTrajectoryMessage
 from puma_septic.ros._texts import SUFFIXES, text_of
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_number
+from puma_septic.validation import Array, checked_kind, checked_number, checked_texts
 
 __all__ = ["joint_trajectory_document", "message_of", "write_joint_trajectory", "write_message"]
 
@@ -102,7 +103,7 @@ def write_message(path: str | PathLike[str], message: JointTrajectoryMessage, *,
     InputError
         For another ending, and a file that exists or cannot be written.
     """
-    target = Path(path)
+    target = checked_path(path, "JointTrajectory file")
     if target.suffix not in SUFFIXES:
         raise InputError(f"{target}: the name must end in {', '.join(SUFFIXES)}")
     text = text_of(joint_trajectory_document(message), as_json=target.suffix == ".json")
@@ -138,7 +139,10 @@ def message_of(
 ) -> JointTrajectoryMessage:
     """The message that `write_joint_trajectory` writes."""
     allowed = checked_number("tolerance", tolerance, unit="rad", above=0.0)
-    names = tuple(joint_names or trajectory.joint_names)
+    own = checked_kind("trajectory", trajectory, Trajectory).joint_names
+    names = checked_texts("joint_names", joint_names) or own
+    if effort is not None:
+        checked_kind("effort", effort, Piecewise)
     if len(names) != trajectory.n_joints:
         raise InputError(f"joint_names: {len(names)} names for {trajectory.n_joints} joints; a message needs each")
     fields, times = _fields(trajectory), trajectory.breaks

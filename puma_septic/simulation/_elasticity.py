@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from puma_septic.document import card, one_line
 from puma_septic.robot import Robot
-from puma_septic.validation import Array, checked_array, checked_number
+from puma_septic.validation import Array, checked_array, checked_kind, checked_number
 from puma_septic.vibration import stiffness_for
 
 __all__ = ["ElasticJoints"]
@@ -53,6 +53,7 @@ class ElasticJoints:
     source: str = ASSUMED
 
     def __post_init__(self) -> None:
+        checked_kind("source", self.source, str)
         remedy = "; rigid gears need no ElasticJoints"
         stiffness = checked_array("stiffness", self.stiffness, (None,), unit="N m/rad", above=0.0, remedy=remedy)
         damping = checked_array("damping", self.damping, (len(stiffness),), unit="N m s/rad", at_least=0.0)

@@ -14,7 +14,7 @@ from puma_septic.simulation._elasticity import ElasticJoints
 from puma_septic.simulation._simulate import REST_SPEED, simulate_all
 from puma_septic.simulation._simulation import Simulation
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import FrozenMap, checked_choice
+from puma_septic.validation import FrozenMap, checked_choice, checked_kind
 from puma_septic.views import execution as view
 
 __all__ = ["Execution", "execute"]
@@ -138,7 +138,7 @@ def execute(
     >>> list(result.simulations), result.has_diverged
     (['cycloidal', 'quintic_segments'], False)
     """
-    if not trajectories:
+    if not checked_kind("trajectories", trajectories, Mapping):
         raise InputError("an execution needs at least one trajectory")
     chosen = controller_of(controller)
     springs = None if elastic is None else [elastic] * len(trajectories)

@@ -17,7 +17,7 @@ from puma_septic.errors import InputError
 from puma_septic.friction import friction_function
 from puma_septic.robot import Actuator, Robot
 from puma_septic.simulation._elasticity import ElasticJoints
-from puma_septic.validation import Array
+from puma_septic.validation import Array, checked_kind
 
 __all__ = ["LOSS", "POSITION", "VELOCITY", "WORK", "Plant"]
 
@@ -69,7 +69,7 @@ class Plant:
                 f"elastic joints need the rotor's inertia of every joint; it is not known of {', '.join(names)}"
             )
         for one in elastic:
-            if len(one.stiffness) != robot.n_joints:
+            if len(checked_kind("elastic", one, ElasticJoints).stiffness) != robot.n_joints:
                 raise InputError(
                     f"elastic joints: {len(one.stiffness)} given, robot {robot.name!r} has {robot.n_joints}"
                 )

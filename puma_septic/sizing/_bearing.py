@@ -17,6 +17,7 @@ from puma_septic.drives import Gearbox
 from puma_septic.piecewise import Piecewise
 from puma_septic.sizing._gearbox import weighted_power_mean
 from puma_septic.sizing._loads import JointLoad, kept_by_load
+from puma_septic.validation import LARGEST, checked_array
 
 __all__ = ["BearingLoad", "bearing_life", "bearing_load", "equivalent_load"]
 
@@ -123,7 +124,8 @@ def equivalent_load(axial: float, radial: float, tilting: float, *, diameter: fl
     -------
     float
     """
-    across = radial + 2 * tilting / diameter
+    axial, moment = _magnitude("axial", axial, "N"), _magnitude("tilting", tilting, "N m")
+    across = _magnitude("radial", radial, "N") + 2 * moment / _magnitude("diameter", diameter, "m", above=0.0)
     x, y = _LOW_AXIAL if axial <= _AXIAL_RATIO * across else _HIGH_AXIAL
     return float(x * across + y * axial)
 
@@ -145,9 +147,17 @@ def bearing_life(dynamic_load: float, *, equivalent: float, mean_speed: float) -
     float
         Infinite without load or motion.
     """
+    rating = _magnitude("dynamic_load", dynamic_load, "N", above=0.0)
+    load, speed = _magnitude("equivalent", equivalent, "N"), _magnitude("mean_speed", mean_speed, "rad/s")
     with np.errstate(divide="ignore", over="ignore"):
-        hours = np.divide(_MILLION * 2 * np.pi, mean_speed) / _HOUR
-        return float(hours * np.divide(dynamic_load, _LOAD_FACTOR * equivalent) ** _EXPONENT)
+        hours = np.divide(_MILLION * 2 * np.pi, speed) / _HOUR
+        return float(hours * np.divide(rating, _LOAD_FACTOR * load) ** _EXPONENT)
+
+
+def _magnitude(name: str, value: float, unit: str, *, above: float | None = None) -> float:
+    """A number of at least 0; NaN where it is not known."""
+    bounds = {"above": above, "at_least": 0.0, "at_most": LARGEST}
+    return float(checked_array(name, value, (), unit=unit, allow_nan=True, **bounds))  # type: ignore[arg-type]
 
 
 def bearing_load(load: JointLoad, gearbox: Gearbox) -> BearingLoad | None:

@@ -20,6 +20,7 @@ from puma_septic.validation import (
     checked_array,
     checked_choice,
     checked_flag,
+    checked_kind,
     checked_number,
     n_dimensions,
 )
@@ -116,7 +117,7 @@ class Conditions:
         object.__setattr__(self, "with_brake", checked_flag("with_brake", self.with_brake))
         if self.supply is not None and not isinstance(self.supply, Supply):
             raise InputError(f"supply: expected a Supply, got {type(self.supply).__name__}")
-        for joint, stage in self.stages.items():
+        for joint, stage in checked_kind("stages", self.stages, Mapping).items():
             if not isinstance(stage, LinearStage):
                 raise InputError(f"stages: joint {joint!r}: expected a LinearStage, got {type(stage).__name__}")
         object.__setattr__(self, "stages", FrozenMap(self.stages))

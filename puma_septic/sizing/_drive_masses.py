@@ -20,7 +20,7 @@ from puma_septic.sizing._drivetrains import GivenDrivetrains, checked_drivetrain
 from puma_septic.sizing._joint_selection import JointSelection, Rank, select_joint
 from puma_septic.sizing._load_cases import LoadCase, joint_cases
 from puma_septic.sizing._selection import Selection, checked_rank, select
-from puma_septic.validation import Array, checked_array
+from puma_septic.validation import Array, checked_array, checked_choice, checked_kind
 
 __all__ = ["PLACEMENTS", "Placement", "select_consistent", "with_drive_masses"]
 
@@ -46,7 +46,8 @@ def with_drive_masses(robot: Robot, masses: ArrayLike, *, placement: Placement =
     InputError
         If a link's mass would become negative.
     """
-    added = checked_array("masses", masses, (robot.n_joints,), unit="kg")
+    added = checked_array("masses", masses, (checked_kind("robot", robot, Robot).n_joints,), unit="kg")
+    checked_choice("placement", placement, ("before", "at"))
     model = robot.bare_model.copy()
     for name, mass in zip(robot.joint_names, added.tolist(), strict=True):
         joint = model.getJointId(name)

@@ -21,7 +21,7 @@ from puma_septic.sizing._checks import NotAssessed, Outcome, assess_joint
 from puma_septic.sizing._demands import Demands
 from puma_septic.sizing._load_features import LoadGrid, load_grid
 from puma_septic.sizing._loads import JointLoad, gearbox_load, joint_load, motor_load
-from puma_septic.validation import Array, checked_flag, checked_number
+from puma_septic.validation import Array, checked_flag, checked_kind, checked_number, checked_texts
 from puma_septic.worst_case import worst_holding_torque
 
 __all__ = [
@@ -127,6 +127,9 @@ class LoadCase:
     def __post_init__(self) -> None:
         if not isinstance(self.cycle, Cycle):
             raise InputError(f"load case {self.name!r}: expected a Cycle, got {type(self.cycle).__name__}")
+        for text in ("name", "note"):
+            checked_kind(f"{text} of a load case", getattr(self, text), str)
+        object.__setattr__(self, "joints", checked_texts(f"joints of load case {self.name!r}", self.joints))
         share = checked_number(f"share of load case {self.name!r}", self.share, at_least=0.0)
         object.__setattr__(self, "share", share)
         for flag in ("is_rare", "is_powered"):
@@ -204,7 +207,7 @@ def checked_cases(what: object) -> tuple[LoadCase, ...]:
     """
     if isinstance(what, Cycle):
         return (LoadCase(name="", cycle=what),)
-    cases = tuple(what) if isinstance(what, Iterable) and not isinstance(what, str) else ()
+    cases = tuple(what) if isinstance(what, Iterable) and not isinstance(what, (str, np.ndarray)) else ()
     if not cases or not all(isinstance(case, LoadCase) for case in cases):
         raise InputError(
             f"size takes a Cycle or a sequence of LoadCase, got {type(what).__name__}; Cycle(steps=[motion]) makes one"

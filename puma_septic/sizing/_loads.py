@@ -16,7 +16,7 @@ from puma_septic.drives import Drivetrain, Gearbox
 from puma_septic.errors import InputError
 from puma_septic.friction import ROUNDING, resolved
 from puma_septic.piecewise import Piecewise
-from puma_septic.validation import Array, freeze_fields
+from puma_septic.validation import Array, checked_kind, checked_whole, freeze_fields
 
 __all__ = [
     "JointLoad",
@@ -254,6 +254,7 @@ def joint_load(cycle: Cycle, j: int) -> JointLoad:
 
     Where the joint rests is the cycle's word, by its travel; what its velocity and acceleration have there is rounding.
     """
+    checked_whole("j", j, at_least=0, at_most=len(checked_kind("cycle", cycle, Cycle).joint_names) - 1)
     rounding = ROUNDING * cycle.load_torque.bounds().max()
     torque = resolved(cycle.load_torque[j], rounding).split_at_roots()
     interval = np.searchsorted(cycle.load_torque.breaks[1:-1], torque.middles)

@@ -25,6 +25,7 @@ from puma_septic.task import (
     resolve_cycle,
     resolve_task,
 )
+from puma_septic.validation import checked_flag, checked_kind
 
 __all__ = ["conditions_of", "cycle_case", "load_cases_of"]
 
@@ -77,7 +78,8 @@ def load_cases_of(resolved: ResolvedTask, *, one_way: bool = False) -> tuple[Loa
     >>> case.cycle.duration
     18.0
     """
-    sections = resolved.task.load_cases
+    sections = checked_kind("resolved", resolved, ResolvedTask).task.load_cases
+    checked_flag("one_way", one_way)
     if not sections:
         own = LoadCaseSection(name="cycle", way="one way" if one_way else "return")
         return (LoadCase(name="", cycle=_cycle(resolved, resolved.robot, own)),)

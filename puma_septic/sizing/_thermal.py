@@ -17,7 +17,7 @@ import numpy as np
 
 from puma_septic.errors import NoSolution, PumaSepticError
 from puma_septic.piecewise import Piecewise, matrices
-from puma_septic.validation import Array
+from puma_septic.validation import Array, checked_number
 
 __all__ = ["heating", "overload_time", "steady_cycle", "thermal_equation"]
 
@@ -39,7 +39,9 @@ def overload_time(overload: float, time_constant: float) -> float:
     >>> overload_time(2.0, 1.0)
     0.287682...
     """
-    return np.inf if overload <= 1 else float(-time_constant * np.log1p(-(overload**-2.0)))
+    times = checked_number("overload", overload, at_least=0.0)
+    constant = checked_number("time_constant", time_constant, unit="s", above=0.0)
+    return np.inf if times <= 1 else float(-constant * np.log1p(-(times**-2.0)))
 
 
 def thermal_equation(

@@ -144,7 +144,7 @@ def load_study(path: str | Path) -> Study:
     InputError
         For a file that cannot be read, an unknown key, axis or column, an empty axis; with what would be valid.
     """
-    file = Path(path)
+    file = checked_path(path, "study file")
     text = decoded(read_bytes(file, what="study file", at_most=_MAX_BYTES), file)
     documents = yaml_documents(text, str(file), max_depth=_MAX_DEPTH)
     if len(documents) != 1 or not isinstance(documents[0], Mapping):

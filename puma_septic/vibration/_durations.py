@@ -8,7 +8,7 @@ import numpy as np
 
 from puma_septic.errors import InputError
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_number
+from puma_septic.validation import Array, checked_kind, checked_number
 from puma_septic.vibration._spectrum import Complex, forced_response
 
 __all__ = ["nulling_durations"]
@@ -58,6 +58,7 @@ def nulling_durations(trajectory: Trajectory, frequency: float, *, longest: floa
     >>> nulling_durations(move, 10.0, longest=0.55)[0].round(9).tolist()
     [0.2, 0.3, 0.4, 0.5]
     """
+    checked_kind("trajectory", trajectory, Trajectory)
     hertz = checked_number("frequency", frequency, unit="Hz", above=0.0)
     longest = checked_number("longest", longest, unit="s", above=0.0)
     turns = hertz * longest

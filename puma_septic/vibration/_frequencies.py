@@ -9,8 +9,7 @@ from puma_septic.dynamics import check_inertia, mass_matrix
 from puma_septic.errors import InputError
 from puma_septic.kinematics import checked_joint_values
 from puma_septic.robot import Robot
-from puma_septic.validation import Array, checked_each, n_dimensions, read_only
-from puma_septic.vibration._spectrum import checked_frequencies
+from puma_septic.validation import Array, checked_array, checked_each, checked_kind, n_dimensions, read_only
 
 __all__ = ["checked_stiffness", "link_inertia", "natural_frequencies", "stiffness_for"]
 
@@ -83,8 +82,9 @@ def stiffness_for(robot: Robot, q: ArrayLike, frequency: ArrayLike) -> Array:
     ModelError
         If the robot description has no inertia for a moving part.
     """
-    hertz = np.broadcast_to(checked_frequencies(frequency), (robot.n_joints,))
-    inertia = np.diagonal(link_inertia(robot, checked_joint_values(robot, "q", q))[0])
+    n = checked_kind("robot", robot, Robot).n_joints
+    hertz = checked_each("frequency", frequency, n, unit="Hz", above=0.0)
+    inertia = np.diagonal(link_inertia(robot, checked_array("q", q, (n,))[None])[0])
     if not (inertia > 0).all():
         j = int(np.argmin(inertia))
         raise InputError(f"joint {robot.joint_names[j]!r} moves no inertia in this posture: no stiffness swings it")

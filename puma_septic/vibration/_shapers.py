@@ -13,7 +13,7 @@ import numpy as np
 from puma_septic.errors import InputError
 from puma_septic.piecewise import Piecewise
 from puma_septic.trajectory import Trajectory
-from puma_septic.validation import Array, checked_array, checked_choice, checked_number, checked_times
+from puma_septic.validation import Array, checked_array, checked_choice, checked_kind, checked_number, checked_times
 from puma_septic.vibration._spectrum import checked_damping
 
 __all__ = ["SHAPERS", "Shaper", "input_shaper", "shaped"]
@@ -49,6 +49,7 @@ class Shaper:
     name: str = "shaper"
 
     def __post_init__(self) -> None:
+        checked_kind("name", self.name, str)
         object.__setattr__(self, "delays", checked_times("delays", self.delays))
         object.__setattr__(self, "weights", checked_array("weights", self.weights, (len(self.delays),), above=0.0))
         if abs(self.weights.sum() - 1) > _SUM:
@@ -128,7 +129,8 @@ def shaped(trajectory: Trajectory, shaper: Shaper) -> Trajectory:
     >>> gentle.duration, bool(ps.residual_vibration(gentle, 5.0)[0] < 1e-15)
     (0.6, True)
     """
-    if not (trajectory.rest_before and trajectory.rest_after):
+    checked_kind("shaper", shaper, Shaper)
+    if not (checked_kind("trajectory", trajectory, Trajectory).rest_before and trajectory.rest_after):
         raise InputError("an input shaper needs a motion from rest to rest; this one is an excerpt")
     position = trajectory.position
     total = float(shaper.delays[-1])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import FrozenInstanceError, replace
 from math import inf, nan
 
 import numpy as np
@@ -146,6 +146,8 @@ def test_a_check_tells_where_it_comes_from() -> None:
     assert torque().to_dict() == facts
     assert replace(torque(), case="lift").to_dict() == {**facts, "case": "lift"}
     assert (height(0.75).source, position((-3.0, 2.5)).source) == ("floor", "")
+    with pytest.raises(FrozenInstanceError):
+        torque().margin = 1.0  # type: ignore[misc]
 
 
 def test_of_checks_that_are_used_alike_the_first_one_governs() -> None:

@@ -229,6 +229,15 @@ def test_what_a_urdf_tells_of_its_drives(tmp_path: Path) -> None:
     assert added == pytest.approx([0.5 * 2.0 + 1.5 + 0.1 * 3.0, 0.0], abs=1e-13)  # rounding of 30 N m
 
 
+@pytest.mark.parametrize(
+    ("printed", "ratio"), [("1", np.nan), ("1.0", np.nan), ("0", np.nan), ("2", 2.0), ("-3", -3.0)]
+)
+def test_a_reduction_of_one_is_none_that_is_known(tmp_path: Path, printed: str, ratio: float) -> None:
+    """Files that do not tell it have a 1 there."""
+    robot = load(tmp_path, replaced("</robot>", TRANSMISSION.replace(">50<", f">{printed}<")))
+    np.testing.assert_equal(robot.actuators[1].gear_ratio, ratio)
+
+
 def test_with_a_gear_ratio_what_is_known_at_the_joint_is_the_motors(tmp_path: Path) -> None:
     """Sizing asks the motor's side, where friction that is known at the joint alone would be left out."""
     text = replaced("</robot>", TRANSMISSION.replace("elbow", "shoulder"), replaced("</joint>", DYNAMICS))

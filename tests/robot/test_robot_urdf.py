@@ -356,6 +356,12 @@ def test_what_may_be_there_once_is_not_there_twice(tmp_path: Path, old: str, ele
     assert f"has <{element}> twice" in told(tmp_path, replaced(old, old + old))
 
 
+@pytest.mark.parametrize(("angle", "is_odd"), [("6.28", False), ("-6.28", False), ("6.29", True), ("-90", True)])
+def test_an_angle_beyond_a_turn_is_questioned(tmp_path: Path, angle: str, is_odd: bool) -> None:
+    text = told(tmp_path, replaced('xyz="0 0 0.5"', f'xyz="0 0 0.5" rpy="0 {angle} 0"'))
+    assert (f"joint 'shoulder': rpy='0 {angle} 0' is beyond 2 pi rad; degrees?" in text) == is_odd
+
+
 def test_five_megabytes_are_read(tmp_path: Path) -> None:
     """One byte more is refused, see above."""
     assert load(tmp_path, ARM + " " * (5_000_000 - len(ARM))).joint_names == ("shoulder", "elbow")

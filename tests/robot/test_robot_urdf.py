@@ -378,13 +378,13 @@ def test_of_many_faults_twenty_are_told(tmp_path: Path, faults: int) -> None:
     assert told[20:] == (["  and 5 more"] if faults == 25 else [])
 
 
-@pytest.mark.parametrize(("deceleration", "used"), [("5", None), ("4", "4"), ("6", "5")])
+@pytest.mark.parametrize(("deceleration", "used"), [("5.5", None), ("4.5", "4.5"), ("6.5", "5.5")])
 def test_of_acceleration_and_deceleration_the_smaller_limits(
     tmp_path: Path, deceleration: str, used: str | None
 ) -> None:
-    limits = f'{SHOULDER_LIMIT} acceleration="5" deceleration="{deceleration}"'
+    limits = f'{SHOULDER_LIMIT} acceleration="5.5" deceleration="{deceleration}"'
     robot = load(tmp_path, replaced(SHOULDER_LIMIT, limits))
-    assert robot.limits.acceleration[0] == float(used or 5)
+    assert robot.limits.acceleration[0] == float(used or 5.5)
     told = [note for note in robot.notes if "deceleration" in note]
     note = f"joint 'shoulder': of acceleration and deceleration the smaller is its limit, {used}"
     assert told == ([] if used is None else [note])

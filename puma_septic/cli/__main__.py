@@ -2,4 +2,4 @@
 
 from puma_septic.cli import main
 
-raise SystemExit(main())
+raise SystemExit(main())  # pragma: no cover -- a process of its own, which the tests start

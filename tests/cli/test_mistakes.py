@@ -65,6 +65,12 @@ MISTAKES = [
     (["study", "axis.yaml"], "axis.yaml", "axis 'profil'", "did you mean 'profile'?"),
     (["study", "cell.yaml"], "cell.yaml", "unknown 'points'", "valid: name, task, axes"),
     (["study", "list.yaml"], "list.yaml", "expected one mapping", "name, task, axes"),
+    (
+        ["study", "list.yaml", "axis.yaml"],
+        "study",
+        "list.yaml axis.yaml",
+        "expected one study file, summarise FOLDER or",
+    ),
     (["study", "summarise", "full"], "full", "no study is there", "study.json"),
     (["execute", "cell.yaml", "--controller", "pdi"], "--controller", "'pdi'", "computed_torque"),
     (["execute", "cell.yaml", "--rate", "7.7"], "rate", "7.7 Hz", "divide it"),

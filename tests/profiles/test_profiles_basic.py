@@ -362,10 +362,10 @@ def test_normalised_quintic() -> None:
 
 
 def test_three_quintics_of_the_paper_s_task() -> None:
-    """Joint 1, to the printed digits."""
+    """Joint 1, to the printed digits; the peak jerk, 2.94525, is half a unit from them."""
     move, expected = ps.quintic_segments(POINTS, TIMES), PAPER["worked_out"]["quintic_segments"]
     for order, name in ((1, "max_velocity"), (2, "max_acceleration"), (3, "max_jerk")):
-        assert move.extrema(order).peak[0] == pytest.approx(expected[name], abs=5e-5)
+        assert move.extrema(order).peak[0] == pytest.approx(expected[name], abs=5e-5 * (1 + 1e-9))
     jerk = move.derivative(3)
     assert jerk.inner(jerk)[0] == pytest.approx(6.9396, abs=5e-5)
     assert move.overshoot.tolist() == [0.0] * 6

@@ -133,8 +133,12 @@ def test_a_slower_motion_and_a_slower_oscillator(frequency: float, damping: floa
 
 
 def test_splitting_an_interval_changes_nothing() -> None:
-    """Small and large products of frequency and interval meet. Differentiating a series on an interval of 0.1 s twice
-    leaves about 1e-12 of the acceleration."""
+    """Small and large products of frequency and interval meet.
+
+    A rounding of 3 rad in the coefficient of degree 7, differentiated twice on an interval of 0.175 s, is up to
+    3 eps 784 (2 / 0.175)^2 = 7e-11 rad/s^2; 51 intervals, of any sign, add up to 9e-11 rad/s. A joint that is still has
+    it, too.
+    """
     move = ps.septic(POINTS, TIMES)
     split = ps.Trajectory(
         position=move.position.split(np.linspace(0.15, 8.9, 50)),
@@ -144,7 +148,7 @@ def test_splitting_an_interval_changes_nothing() -> None:
     frequency = np.array([1e-3, 0.5, 20.0, 1000.0])
     one, other = residual_vibration(move, frequency), residual_vibration(split, frequency)
     omega = 2 * np.pi * frequency[:, None]
-    assert (np.abs(one - other) <= 1e-11 / omega).all()
+    assert (np.abs(one - other) <= 1e-10 / omega).all()
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.03])

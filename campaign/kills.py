@@ -58,9 +58,9 @@ def _row(one: Output, before: str, shares: np.ndarray, found: Counter[str]) -> l
         shutil.copytree(undisturbed, target) if undisturbed.is_dir() else shutil.copy(undisturbed, target)
     for k, share in enumerate(shares):
         if k % 2:
-            outcome = _killed(one, target, names, number=int(share * (len(names) + 2)))
+            outcome = killed(one, target, names, number=int(share * (len(names) + 2)))
         else:
-            outcome = _killed(one, target, names, seconds=share * 1.1 * seconds)
+            outcome = killed(one, target, names, seconds=share * 1.1 * seconds)
         found[outcome] += 1
         wrong += [f"{outcome}: {text}" for text in faults_of(target)]
         if outcome == "killed: in part":
@@ -68,7 +68,7 @@ def _row(one: Output, before: str, shares: np.ndarray, found: Counter[str]) -> l
     return wrong + _next_run(one, target, names)
 
 
-def _killed(one: Output, target: Path, names: set[str], *, seconds: float = 0.0, number: int | None = None) -> str:
+def killed(one: Output, target: Path, names: set[str], *, seconds: float = 0.0, number: int | None = None) -> str:
     """What lies under the name after a run that was killed so many seconds after its start, or at a name."""
     more = _again(one, target)
     old = contents(target)

@@ -13,8 +13,9 @@ import pytest
 import puma_septic as ps
 from campaign import fuzz_urdf
 from campaign.arms import PUMA, random_tree
+from campaign.kills import killed
 from campaign.mechanics import Arm, mass_matrix_and_torque
-from campaign.outputs import fault_of
+from campaign.outputs import Output, fault_of
 from campaign.rules import MAX_MESSAGE, UnsoundError, Verdict, message_faults, verdict_of
 from campaign.runner import Format, run_cases, smaller
 from campaign.urdf_oracle import check_robot
@@ -169,3 +170,22 @@ def test_half_files_are_seen(tmp_path: Path) -> None:
         assert fault_of(path) == ""
         path.write_text(whole[: len(whole) // 2], encoding="utf-8")
         assert fault_of(path)
+
+
+def by_one_name_after_another(_: Output, target: Path, *__: str) -> int:
+    """How an empty folder was filled."""
+    target.mkdir(exist_ok=True)
+    for name in "ab":
+        (target / f".{name}").write_text(name)
+    for name in "ab":
+        (target / f".{name}").replace(target / name)
+    return 0
+
+
+@pytest.mark.parametrize(("number", "outcome"), [(0, "killed: as before"), (1, "killed: in part"), (2, "ended before")])
+def test_a_kill_between_two_names_finds_half_a_folder(
+    number: int, outcome: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(Output, "run", by_one_name_after_another)
+    assert killed(Output("planted", ()), tmp_path / "result", {"a", "b"}, number=number) == outcome

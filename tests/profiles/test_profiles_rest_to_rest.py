@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from puma_septic import profiles
 from puma_septic.errors import InputError
@@ -115,6 +115,14 @@ def test_trapezoidal_between_two_points_by_cruise_velocity() -> None:
     assert move.extrema(1).peak == pytest.approx([0.6, 1.6, 0.0])
     assert move.extrema(2).peak == pytest.approx([0.6 / ta[0], 1.6 / ta[1], 0.0])
     assert not move.position.coefficients[1:, :, 2].any()
+
+
+@pytest.mark.parametrize(("blends", "message"), [
+    (-0.1, r"point 0 = -0\.1 s"), (0.0, "point 0 = 0 s"), ([0.1, 0.2, -0.2], r"point 2 = -0\.2 s")])  # fmt: skip
+def test_a_blend_takes_time(blends: ArrayLike, message: str) -> None:
+    for make in (profiles.trapezoidal, profiles.polynomial_blends):
+        with pytest.raises(InputError, match=f"blend_time of {message} must be positive; without blends"):
+            make([[0.0], [1.0], [3.0]], [0.0, 1.0, 2.0], blend_time=blends)
 
 
 def test_an_arm_that_stays_where_it_is_needs_no_cruise_velocity() -> None:

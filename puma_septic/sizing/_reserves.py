@@ -15,7 +15,6 @@ from puma_septic.motion import Motion, compute_motion
 from puma_septic.robot import Payload
 from puma_septic.sizing._load_cases import LoadCase
 from puma_septic.sizing._result import Sizing, sized
-from puma_septic.trajectory import Trajectory
 from puma_septic.validation import checked_number
 
 __all__ = ["Reserve", "largest_payload", "least_cycle_time"]
@@ -187,18 +186,9 @@ def _halved(at: Callable[[float], Sizing], good: float, bad: float, tolerance: f
 def _stretched(cycle: Cycle, factor: float) -> Cycle:
     return Cycle(
         steps=tuple(
-            step if isinstance(step, Dwell) else compute_motion(step.robot, _slower(step.trajectory, factor))
+            step if isinstance(step, Dwell) else compute_motion(step.robot, step.trajectory.stretched(factor))
             for step in cycle.steps
         )
-    )
-
-
-def _slower(trajectory: Trajectory, factor: float) -> Trajectory:
-    start = trajectory.breaks[0]
-    return replace(
-        trajectory,
-        position=trajectory.position.stretched(factor),
-        times=start + (trajectory.times - start) * factor,
     )
 
 

@@ -31,6 +31,7 @@ from puma_septic.optimum import _jerk_limited, _time_optimal
 from puma_septic.outputs import write_file
 from puma_septic.profiles._integration import smooth_series
 from puma_septic.ros import read_joint_state
+from puma_septic.sizing import Conditions
 from puma_septic.sizing._task_cases import cycle_case
 from puma_septic.sizing._thermal import steady_cycle
 from puma_septic.task import make_task, resolve_cycle
@@ -75,6 +76,10 @@ SKEW = [[1.0, 0.1, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
             "names: 2 names for 1 steps; one for each is needed",
         ),
         (lambda: MOTION.torque.stepwise(np.ones((9, 1))), r"values: shape \(9, 1\) is not \(1, p\), a row for each"),
+        (lambda: Conditions(margins={"torque": 0.1}), "margins: unknown check 'torque'; valid: all, physics"),
+        (lambda: Conditions(margins=1.0), r"margin of all = 1\.0: must be less than 1"),
+        (lambda: Conditions(bus_voltage=-24.0), "bus_voltage = -24 V must be greater than 0 V"),
+        (lambda: Conditions(stages={"joint1": 3}), "stages: joint 'joint1': expected a LinearStage, got int"),
         (lambda: payload_diagram([], [0.1]), "motions: at least one is needed"),
         (lambda: payload_diagram(MOTION, [0.1], direction=[0, 0, 0]), "direction: expected three numbers, not all 0"),
         (lambda: payload_and_duration(MOTION, [1.0, 2.0], [0.5]), "2 durations and 1 masses: expected one of each"),
@@ -83,7 +88,7 @@ SKEW = [[1.0, 0.1, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
             lambda: ps.within_limits("trapezoidal", [[0.0], [1.0], [1.0]], max_velocity=1.0, max_acceleration=1.0),
             "trapezoidal: points 1 and 2 are the same, so that any duration is long enough",
         ),
-        (lambda: ps.acceleration_limits(ROBOT, speeds=-1.0), r"speeds = -1\.0: magnitudes cannot be negative"),
+        (lambda: ps.acceleration_limits(ROBOT, speeds=-1.0), "speeds = -1 must be at least 0"),
     ],
 )  # fmt: skip
 def test_values_and_files(call: Callable[[], Any], message: str) -> None:

@@ -171,12 +171,6 @@ def test_a_margin_rejects_and_is_named_per_check() -> None:
         assert bool(found.kept) == fits
         if not fits:
             assert found.rejections == {governing.quantity: 1}
-    with pytest.raises(ps.InputError, match="margins: unknown check 'torque'; valid: all, physics"):
-        Conditions(margins={"torque": 0.1})
-    with pytest.raises(ps.InputError, match=r"margin of all = 1\.0: must be less than 1"):
-        Conditions(margins=1.0)
-    with pytest.raises(ps.InputError, match="bus_voltage = -24 V: must be greater than 0"):
-        Conditions(bus_voltage=-24.0)
 
 
 def test_an_unknown_brake_does_not_lift_the_limit_of_the_inertia_ratio() -> None:

@@ -580,7 +580,7 @@ def test_whatever_is_typed_wrong_is_refused_or_read_in_full(tmp_path: Path, data
     if "inertia is not used" in told:
         assert robot.missing_inertia
     else:
-        masses = [float(x) for x in re.findall(r'mass value="([^"]*)"', text)]
+        masses = [float(x) for x in re.findall(r'mass\s+value="([^"]*)"', text)]
         assert sum(body.mass for body in robot.model.inertias) == pytest.approx(sum(masses), rel=1e-12)
     assert robot.model.nv == 2
     if not robot.missing_inertia:

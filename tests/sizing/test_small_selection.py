@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from itertools import product
 from pathlib import Path
@@ -252,6 +253,20 @@ def test_without_time_constants_the_mean_rise_is_that_of_the_mean_loss() -> None
         assert demands.mean_temperature_rise == pytest.approx(rise, rel=1e-12)
         (check,) = [c for c in sizing.checks if c.joint == name and c.quantity == "mean winding temperature rise"]
         assert (check.demand, check.limit) == pytest.approx((rise, 155.0 - 70.0), rel=1e-12)
+
+
+@pytest.mark.parametrize(("share", "is_kept"), [(0.99, True), (1.01, False)])
+def test_a_selection_rejects_by_the_mean_rise_that_a_sizing_tells(share: float, is_kept: bool) -> None:
+    """One per cent on either side of the resistance that takes the whole of what the winding may warm by."""
+    known = {"torque_constant": 0.1, "resistance": 2.0, "max_winding_celsius": 155.0}
+    motor = replace(catalogue().motors[3], **known, thermal_resistances=[1.0])
+    gearbox = catalogue().gearboxes[1]
+    alone = ps.size(cases()[1].cycle, drivetrains=[ps.Drivetrain(motor=motor, gearbox=gearbox)] * 2).demands[1]
+    least = (155.0 - 40.0) / alone.mean_temperature_rise
+    hot = replace(motor, thermal_resistances=[share * least])
+    joint = ps.size(cases()[1].cycle, catalogue=ps.Catalogue(motors=[hot], gearboxes=[gearbox])).joint("elbow")
+    assert joint.is_feasible.tolist() == [is_kept]
+    assert joint.reasons == ("" if is_kept else "mean winding temperature rise",)
 
 
 def test_the_document_of_a_supply_has_its_checks_alone() -> None:

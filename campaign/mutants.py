@@ -17,11 +17,13 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 from typing import Final
 
 from cosmic_ray.commands import init
-from cosmic_ray.mutating import mutate_and_test
+from cosmic_ray.mutating import mutate_and_test, mutate_code
+from cosmic_ray.plugins import get_operator
 from cosmic_ray.work_db import WorkDB, use_db
 from cosmic_ray.work_item import MutationSpec, TestOutcome
 from coverage import CoverageData
@@ -99,7 +101,7 @@ def _judged(room: str, count: int, draw: random.Random) -> Iterator[tuple[str, s
     ran = CoverageData()
     ran.read()
     every = _mutants(Path("puma_septic", module))
-    for mutant in draw.sample(every, min(count, len(every))):
+    for mutant in islice(filter(_compiles, draw.sample(every, len(every))), count):
         first = _first_tests(mutant, ran.contexts_by_lineno(str(mutant.module_path)))
         Path("first.txt").write_text("\n".join(first))
         for chosen in ("@first.txt", tests) if first else (tests,):
@@ -116,13 +118,24 @@ def _mutants(module: Path) -> list[MutationSpec]:
     unused = {path: list(_spans_without_effect(ast.parse(path.read_text()))) for path in paths}
     with use_db("mutants.sqlite", WorkDB.Mode.create) as database:
         init(paths, database, {})
-        every = [item.mutations[0] for item in database.work_items]
+        # The database has no order of its own; the draw must depend on the seed alone.
+        every = sorted((item.mutations[0] for item in database.work_items), key=repr)
     return [
         mutant
         for mutant in every
         if _TRIVIAL not in mutant.operator_name
         and not any(start <= mutant.start_pos and mutant.end_pos <= end for start, end in unused[mutant.module_path])
     ]
+
+
+def _compiles(mutant: MutationSpec) -> bool:
+    """Whether it is Python at all: a star before arguments counts as an operator, too."""
+    operator = get_operator(mutant.operator_name)(**mutant.operator_args)
+    try:
+        ast.parse(mutate_code(mutant.module_path.read_text(), operator, mutant.occurrence) or "")
+    except SyntaxError:
+        return False
+    return True
 
 
 def _spans_without_effect(tree: ast.Module) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:

@@ -19,6 +19,7 @@ __all__ = [
     "FrozenMap",
     "checked_array",
     "checked_choice",
+    "checked_direction",
     "checked_each",
     "checked_flag",
     "checked_kind",
@@ -316,6 +317,14 @@ def checked_times(name: str, value: ArrayLike, count: int | None = None) -> Arra
             f"{name}[{k}] = {times[k]:.12g} s and {name}[{k + 1}] = {times[k + 1]:.12g} s are too close to each other"
         )
     return times
+
+
+def checked_direction(name: str, value: ArrayLike) -> Array:
+    """Return the unit vector along three numbers."""
+    vector = checked_array(name, value, (3,))
+    if np.abs(vector).max() < _SMALLEST:  # its square would be 0
+        raise InputError(f"{name}: expected three numbers, not all 0, got {vector.tolist()}")
+    return np.asarray(vector / np.linalg.norm(vector))
 
 
 def checked_choice(name: str, value: str, valid: Iterable[str]) -> str:

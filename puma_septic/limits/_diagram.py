@@ -16,7 +16,7 @@ from puma_septic.kinematics import checked_joint_values
 from puma_septic.limits._payload import maximum_payload
 from puma_septic.motion import Motion
 from puma_septic.robot import Robot
-from puma_septic.validation import Array, checked_array, checked_list, read_only
+from puma_septic.validation import Array, checked_array, checked_direction, checked_list, read_only
 
 __all__ = ["PayloadPolygon", "payload_diagram", "payload_polygon"]
 
@@ -113,12 +113,8 @@ def payload_polygon(robot: Robot, q: ArrayLike, *, direction: ArrayLike = (0.0, 
     [13.419, 5.097]
     """
     poses = checked_joint_values(robot, "q", q)
-    axis = checked_array("direction", direction, (3,))
-    length = float(np.linalg.norm(axis))
-    if not length:
-        raise InputError("direction: expected three numbers, not all 0")
+    axis = checked_direction("direction", direction)
     check_inertia(robot)
-    axis = axis / length
     rest = np.zeros_like(poses)
     own = rigid_torque(robot.with_payload(None), poses, rest, rest)
     weight = payload_torque(robot, np.array([1.0, *np.zeros(9)]))(poses, rest, rest)
@@ -204,10 +200,7 @@ def payload_diagram(
     if not some:
         raise InputError("motions: at least one is needed")
     distances = checked_array("offsets", offsets, (None,), unit="m")
-    axis = checked_array("direction", direction, (3,))
-    if not axis.any():
-        raise InputError("direction: expected three numbers, not all 0")
-    axis = axis / np.linalg.norm(axis)
+    axis = checked_direction("direction", direction)
     return np.array([min(_heaviest(motion, axis * distance) for motion in some) for distance in distances])
 
 

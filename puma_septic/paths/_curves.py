@@ -13,7 +13,7 @@ from puma_septic.paths._fitting import fit_state
 from puma_septic.paths._path import Path
 from puma_septic.paths._rotations import about, shortest_turn, turn_between, turned
 from puma_septic.piecewise import Piecewise
-from puma_septic.validation import Array, checked_array, checked_choice, checked_number, n_dimensions
+from puma_septic.validation import Array, checked_array, checked_choice, checked_direction, checked_number, n_dimensions
 
 __all__ = ["Orientation", "arc", "checked_pose", "circle", "line", "turning"]
 
@@ -162,13 +162,11 @@ def circle(
     [2.0, -0.0]
     """
     rotation, start = checked_pose("T_from", T_from)
-    centre, axis = checked_array("centre", centre, (3,), unit="m"), checked_array("axis", axis, (3,))
+    centre, axis = checked_array("centre", centre, (3,), unit="m"), checked_direction("axis", axis)
     angle = checked_number("angle", angle, unit="rad")
     checked_choice("orientation", orientation, ("held", "tangent"))
-    if np.linalg.norm(axis) == 0:
-        raise InputError("axis = [0, 0, 0] has no direction")
     checked_number("the magnitude of angle", abs(angle), unit="rad", above=0.0)
-    unit = axis * np.sign(angle) / np.linalg.norm(axis)
+    unit = axis * np.sign(angle)
     foot = centre + ((start - centre) @ unit) * unit
     return _round("circle", rotation, start, foot, unit, abs(angle), orientation, None)
 
@@ -183,10 +181,7 @@ def turning(what: str, start: Array, end: Array, axis: ArrayLike | None) -> tupl
     """World axis and angle of the turn between two orientations, about the given axis or along the geodesic."""
     if axis is None:
         return shortest_turn(start, end, what)
-    given = checked_array("turn_axis", axis, (3,))
-    if np.linalg.norm(given) == 0:
-        raise InputError("turn_axis = [0, 0, 0] has no direction")
-    return about(start, end, given, what)
+    return about(start, end, checked_direction("turn_axis", axis), what)
 
 
 def _checked_point(name: str, point: ArrayLike) -> Array:

@@ -28,7 +28,7 @@ def checked_drivetrains(cycle: Cycle, given: object) -> tuple[Drivetrain, ...]:
     names = cycle.joint_names
     if isinstance(given, Mapping):
         trains = _by_name(names, given)
-    elif isinstance(given, Iterable):
+    elif isinstance(given, Iterable) and not isinstance(given, np.ndarray):
         trains = list(given)
     else:
         raise InputError(

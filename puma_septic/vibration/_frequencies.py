@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -12,6 +14,9 @@ from puma_septic.robot import Robot
 from puma_septic.validation import Array, checked_array, checked_each, checked_kind, n_dimensions, read_only
 
 __all__ = ["checked_stiffness", "link_inertia", "natural_frequencies", "stiffness_for"]
+
+# Of this ratio three digits are left of the frequency of a stiff joint that moves a ten-thousandth of the inertia.
+_APART: Final = 1e8
 
 
 def natural_frequencies(robot: Robot, q: ArrayLike, stiffness: ArrayLike) -> Array:
@@ -49,7 +54,13 @@ def natural_frequencies(robot: Robot, q: ArrayLike, stiffness: ArrayLike) -> Arr
     True
     """
     values = checked_joint_values(robot, "q", q)
-    compliance = 1 / np.sqrt(checked_stiffness(robot, stiffness))
+    springs = checked_stiffness(robot, stiffness)
+    if springs.max() > _APART * springs.min():
+        raise InputError(
+            f"stiffness: {springs.min():g} and {springs.max():g} N m/rad are more than {_APART:g} times apart; the"
+            " frequencies of the stiffest joints would be lost in rounding"
+        )
+    compliance = 1 / np.sqrt(springs)
     scaled = link_inertia(robot, values) * np.multiply.outer(compliance, compliance)
     squares = np.linalg.eigvalsh(scaled)[:, ::-1]
     # Links of no inertia about a joint do not swing: rounding about 0 is one.

@@ -91,7 +91,8 @@ def input_shaper(name: str, frequency: float, *, damping: float = 0.0) -> Shaper
     """
     count = SHAPERS[checked_choice("shaper", name, SHAPERS)]
     hertz = checked_number("frequency", frequency, unit="Hz", above=0.0)
-    root = np.sqrt(1 - checked_damping(damping) ** 2)
+    damping = checked_damping(damping)
+    root = np.sqrt(1 - damping**2)
     decay = np.exp(-damping * np.pi / root)
     weights = np.array([comb(count, k) * decay**k for k in range(count + 1)]) / (1 + decay) ** count
     return Shaper(weights=weights, delays=np.arange(count + 1) * 0.5 / (hertz * root), name=f"{name} {hertz:g} Hz")

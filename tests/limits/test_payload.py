@@ -148,7 +148,7 @@ def test_the_polygon_holds_and_no_more(puma: ps.Robot, rng: np.random.Generator)
         assert share.max() == pytest.approx(1, rel=1e-12)
     assert (np.diff(polygon.mass(offsets)) <= 0).all()
     assert polygon.governing[0] == (-1, "")
-    with pytest.raises(ps.InputError, match="offset = -1 m"):
+    with pytest.raises(ps.InputError, match=r"offset\[0\] = -1 m must be at least 0 m; turn the direction instead"):
         polygon.mass([-1.0])
     with pytest.raises(ps.InputError, match="direction: expected three numbers, not all 0"):
         ps.payload_polygon(puma, poses, direction=(0, 0, 0))

@@ -229,6 +229,10 @@ def test_bad_input(puma: ps.Robot) -> None:
             lambda: natural_frequencies(puma, [0.0] * 6, [-1.0] + [1.0] * 5),
             r"joint 'joint1': stiffness = -1 N m/rad must be greater than 0",
         ),
+        (
+            lambda: natural_frequencies(puma, [0.0] * 6, [1e-12] + [1e4] * 5),  # were infinite, as of rigid joints
+            r"stiffness: 1e-12 and 10000 N m/rad are more than 1e\+08 times apart",
+        ),
     ):
         with pytest.raises(ps.InputError, match=message):
             wrong()

@@ -26,7 +26,7 @@ _UNKNOWN: Final = frozenset(
 # Between the units of the columns of a curve, and between the numbers of one of its rows.
 _BESIDE: Final = ":"
 # A number, and behind it a unit or a tolerance.
-_NUMBER: Final = re.compile(r"^([+-]?(?:\d[\d' \u00a0\u202f.,]*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*(.*)$")
+_NUMBER: Final = re.compile(r"^([+-]?(?:[0-9][0-9' \u00a0\u202f.,]*|[.,][0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*)$")
 _TOLERANCE: Final = re.compile(r"\s*(?:±|\+/-|\+-)\s*[\d.,]+\s*%?\s*$")
 _RATIO: Final = re.compile(r"^\s*:\s*1$")
 _AMBIGUOUS: Final = re.compile(r"^[+-]?\d{1,3}[.]\d{3}$")
@@ -219,6 +219,8 @@ def _number(text: str, has_commas: bool) -> float:
         Where a comma or point may be either.
     """
     plain = re.sub(r"['\u00a0\u202f ]", "", text)
+    if not plain.isascii() or "_" in plain:  # float() would take 1_000, and the digits of any script
+        raise ValueError("no number")
     if "," in plain and "." in plain:
         decimal = max(".,", key=plain.rindex)
         plain = plain.replace("," if decimal == "." else ".", "")

@@ -280,16 +280,20 @@ def _numbers(path: Path, header: Sequence[str], rows: Sequence[_Row], layout: La
     for row in rows:
         if len(row.cells) != len(header):
             raise InputError(f"{path}, row {row.line} has {len(row.cells)} cells, the header {len(header)}")
-    texts = [[row.cells[k] for k in wanted] for row in rows]
+    texts = [[row.cells[k].strip() for k in wanted] for row in rows]
     try:
         values = np.array([[float(text) for text in row] for row in texts])
-        # float() would take 1_000 for a number.
-        good = (np.abs(values) <= LARGEST).all() and not any("_" in "".join(row) for row in texts)
+        good = (np.abs(values) <= LARGEST).all() and all(_is_plain("".join(row)) for row in texts)
     except ValueError:
         good = False
     if not good:
         _refuse_cell(path, rows, layout)
     return np.asarray(values * [column.factor for column in layout.columns])
+
+
+def _is_plain(text: str) -> bool:
+    """Whether `float` reads what is written: it would take 1_000, and the digits of any script, for numbers."""
+    return text.isascii() and "_" not in text
 
 
 def _refuse_cell(path: Path, rows: Sequence[_Row], layout: Layout) -> NoReturn:
@@ -302,7 +306,7 @@ def _refuse_cell(path: Path, rows: Sequence[_Row], layout: Layout) -> NoReturn:
 
 def _is_number(text: str) -> bool:
     try:
-        return "_" not in text and abs(float(text)) <= LARGEST
+        return _is_plain(text) and abs(float(text)) <= LARGEST
     except ValueError:
         return False
 

@@ -157,6 +157,7 @@ def test_csv_becomes_a_log_and_a_trajectory(tmp_path: Path, motion: Trajectory) 
         ("t,a\n0,1\n0.1,fast\n", "row 3, column 'a': 'fast' is not a finite number"),
         ("t,a\n0,1\n0.1,nan\n", "row 3, column 'a': 'nan' is not a finite number"),
         ("t,a\n0,1\n0.1,1_000\n", "row 3, column 'a': '1_000' is not a finite number"),
+        ("t,a\n0,1\n0.1,\u0661\n", "row 3, column 'a': '\u0661' is not a finite number"),  # Arabic-Indic 1
         ("t,a\n0,1\n0.1,2\n0.1,3\n", "row 4, column 't': 0.1 s does not come after 0.1 s in row 3"),
         ("t,a\n0,1\n0.2,2\n0.1,3\n", "row 4, column 't': 0.1 s does not come after 0.2 s in row 3"),
         ('t,a\n0,"1\n', "cannot be read as a CSV file"),

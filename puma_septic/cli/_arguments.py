@@ -139,7 +139,7 @@ def _smoothing(text: str) -> str | float:
 _NUMBERS = {
     "cycles_per_minute": (positive, "N", "cycle rate: what the moves leave of the time is rest"),
     "ambient_celsius": (finite, "C", "temperature of the surroundings (default: 40)"),
-    "altitude": (positive, "M", "above sea level"),
+    "altitude": (not_negative, "M", "above sea level"),
     "bus_voltage": (positive, "V", "that reaches the motors"),
     "continuous_current": (positive, "A", "of each drive, in the measure of the torque constants"),
     "peak_current": (positive, "A", "of each drive, for a short time"),

@@ -34,6 +34,8 @@ _OF_PLACE: Final = {
     "required_life_hours": "h", "max_inertia_ratio": "",
 }  # fmt: skip
 _NO_NUMBERS: Final = ("margins", "supply", "stages", "with_brake")
+# All others are positive.
+_LEAST: Final[Mapping[str, Any]] = {"ambient_celsius": {}, "altitude": {"at_least": 0.0}}
 _OF_DRIVE: Final = {
     "bus_voltage": "V", "continuous_current": "A", "peak_current": "A", "continuous_power": "W", "peak_power": "W",
     "peak_regenerated_power": "W", "brake_resistor_power": "W",
@@ -111,8 +113,8 @@ class Conditions:
             if one.name not in _NO_NUMBERS:
                 value = getattr(self, one.name)
                 shape: tuple[int | None, ...] = () if n_dimensions(value) == 0 else (None,)
-                least = None if one.name == "ambient_celsius" else 0.0
-                array = checked_array(one.name, value, shape, unit=_unit(one.name), allow_nan=True, above=least)
+                least = _LEAST.get(one.name, {"above": 0.0})
+                array = checked_array(one.name, value, shape, unit=_unit(one.name), allow_nan=True, **least)
                 object.__setattr__(self, one.name, array)
         object.__setattr__(self, "with_brake", checked_flag("with_brake", self.with_brake))
         if self.supply is not None and not isinstance(self.supply, Supply):

@@ -80,7 +80,7 @@ class ConditionsSection(Section):
     cycles_per_minute: Positive | None = None
     brake_at_rest: StrictBool = False
     ambient_celsius: Number | None = None
-    altitude: Positive | None = None
+    altitude: NotNegative | None = None
     supply: SupplySection | None = None
     bus_voltage: PerJoint | None = None
     continuous_current: PerJoint | None = None

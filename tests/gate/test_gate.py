@@ -406,7 +406,7 @@ def test_a_stretch_that_does_not_hold_is_not_given(puma: ps.Robot, monkeypatch: 
     with pytest.raises(ps.NoSolution, match="rounded to the message's nanoseconds, does not hold: joint"):
         fixed(arm, planned_of(quick))
     as_it_is = assessed_at(ps.compute_motion(arm, quick), 1.0)
-    monkeypatch.setattr(_stretching, "assessed_at", lambda *_: as_it_is)
+    monkeypatch.setattr(_stretching, "assessed_at", lambda *_, **__: as_it_is)
     with pytest.raises(ps.NoSolution, match=r"no stretch of time helps: joint\d velocity .* at t = "):
         ps.least_stretch(arm, quick)
 

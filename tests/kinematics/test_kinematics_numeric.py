@@ -158,7 +158,7 @@ def test_pose_errors_are_rotation_vectors(rng: np.random.Generator) -> None:
 def test_batch_is_for_closed_forms_only(tmp_path: Path) -> None:
     with pytest.raises(ps.ModelError, match=r"neither a spherical wrist nor three parallel axes.*call inverse_kinemat"):
         ps.inverse_kinematics_batch(offset_wrist(tmp_path), np.eye(4)[None])
-    with pytest.raises(ps.InputError, match=r"starts = 0 must be at least 1"):
+    with pytest.raises(ps.InputError, match=r"starts = 0: expected a whole number from 1 to 10000"):
         ps.inverse_kinematics(ps.load_robot(EXAMPLES["ur5"]), np.eye(4), starts=0)
 
 

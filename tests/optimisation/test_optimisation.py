@@ -361,7 +361,7 @@ def fixed_blend(points: Array, times: Array) -> ps.Trajectory:
         (lambda: ps.pareto_front(ps.septic, POINTS, TIMES, objectives=["overshoot"]), "2 to 3 are needed, got 1"),
         (
             lambda: ps.pareto_front(ps.septic, POINTS, TIMES, objectives=["overshoot", "peak_jerk"], size=2),
-            "size = 2 must be at least 3",
+            "size = 2: expected a whole number from 3 to 1000",
         ),
         (lambda: ps.least_time(ps.septic, POINTS, TIMES), "without a limit there is no least time"),
         (lambda: ps.least_time(ps.septic, POINTS, TIMES, max_jerk=0.0), r"max_jerk = 0 must be greater than 0"),

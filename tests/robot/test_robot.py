@@ -126,9 +126,9 @@ def test_with_limits_replaces_the_named_ones(tmp_path: Path) -> None:
     assert robot.limits.effort.tolist() == [50.0, 20.0]
     with pytest.raises(ps.InputError, match=r"velocity: shape \(3,\) is not \(2,\)"):
         robot.with_limits(velocity=[1.0, 2.0, 3.0])
-    with pytest.raises(ps.InputError, match=r"jerk limit\[0\] = -1 must be positive \(NaN where unknown\)"):
+    with pytest.raises(ps.InputError, match=r"jerk limit\[0\] = -1 must be greater than 0 \(NaN where unknown\)"):
         robot.with_limits(jerk=-1.0)
-    with pytest.raises(ps.InputError, match=r"effort limit\[1\] = 0 must be positive"):
+    with pytest.raises(ps.InputError, match=r"effort limit\[1\] = 0 must be greater than 0"):
         robot.with_limits(effort=[1.0, 0.0])
 
 

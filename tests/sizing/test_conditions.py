@@ -13,6 +13,7 @@ from puma_septic.drives import LinearStage
 from puma_septic.limit_check import LimitCheck
 from puma_septic.sizing import Conditions
 from puma_septic.sizing._unknowns import unknowns
+from puma_septic.task import make_task
 
 SCREW = LinearStage(kind="screw", name="S", travel_per_turn=0.01, efficiency=0.9, inertia=0.0, friction_force=0.0)
 
@@ -20,8 +21,8 @@ SCREW = LinearStage(kind="screw", name="S", travel_per_turn=0.01, efficiency=0.9
 @pytest.mark.parametrize(
     ("asked", "message"),
     [
-        ({"peak_power": 0.0}, "peak_power = 0 W: must be greater than 0"),
-        ({"altitude": [100.0, -1.0]}, "altitude = -1 m: must be greater than 0"),
+        ({"peak_power": 0.0}, "peak_power = 0 W must be greater than 0 W"),
+        ({"altitude": [100.0, -1.0]}, r"altitude\[1\] = -1 m must be at least 0 m"),
         ({"supply": 48.0}, "supply: expected a Supply, got float"),
         ({"stages": {"joint1": 0.01}}, "stages: joint 'joint1': expected a LinearStage, got float"),
         ({"margins": {"torque": 0.1}}, "margins: unknown check 'torque'; valid: all, physics, "),
@@ -152,3 +153,12 @@ def test_of_a_full_sheet_and_of_what_needs_no_value_nothing_is_said() -> None:
     assert told(gearbox=unlimited) == ()
     no_torque = {"continuous_torque": np.nan, "rated_ambient_celsius": np.nan, "geared_share": np.nan}
     assert told(motor=no_torque) == ()
+
+
+def test_sea_level_is_an_altitude() -> None:
+    """0 m was refused, as if it were a mass."""
+    assert float(np.asarray(Conditions(altitude=0.0).altitude)) == 0.0
+    section = {"name": "sea", "points": [{"joints": [0.0] * 6}, {"joints": [0.5] * 6}], "times": [0, 1]}
+    task = make_task({**section, "profiles": ["quintic"], "conditions": {"altitude": 0}})
+    assert task.conditions is not None
+    assert task.conditions.altitude == 0.0

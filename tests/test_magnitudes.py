@@ -84,7 +84,7 @@ def test_the_bound_is_far_above_any_arm() -> None:
         (lambda x: PUMA.with_limits(effort=x), r"effort limit\[0\]"),
         (lambda x: ps.Controller(bandwidth=[1.0, x]), r"bandwidth\[1\]"),
         (lambda x: ps.Gearbox(stiffness=[x]), r"stiffness\[0\]"),
-        (lambda x: ps.sizing.Conditions(altitude=[x]), r"altitude\[0\]"),
+        (lambda x: ps.sizing.Conditions(bus_voltage=[x]), r"bus_voltage\[0\]"),
         (lambda x: ps.sizing.bearing_life(x, equivalent=1.0, mean_speed=1.0), "dynamic_load"),
         (lambda x: ps.paths.circle(np.eye(4), centre=[1, 0, 0], axis=[0, 0, 1], angle=x), "the magnitude of angle"),
     ],

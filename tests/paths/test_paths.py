@@ -101,7 +101,7 @@ REFUSED = {
     "far from rigid": (lambda: paths.line(np.diag([3.0, 1, 1, 1]), np.eye(4)), "T_from: not a rigid transf.* by 8 "),
     "no axis": (lambda: paths.circle(np.eye(4), centre=[1, 0, 0], axis=[0, 0, 0]), "^axis: expected three"),
     "no angle": (
-        lambda: paths.circle(np.eye(4), centre=[1, 0, 0], axis=[0, 0, 1], angle=0), "angle = 0 rad must be greater than 0"
+        lambda: paths.circle(np.eye(4), centre=[1, 0, 0], axis=[0, 0, 1], angle=0), "angle = 0 rad must be greater"
     ),
     "many turns": (
         lambda: paths.circle(np.eye(4), centre=[1, 0, 0], axis=[0, 0, 1], angle=1e5),

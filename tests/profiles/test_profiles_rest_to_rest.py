@@ -118,10 +118,10 @@ def test_trapezoidal_between_two_points_by_cruise_velocity() -> None:
 
 
 @pytest.mark.parametrize(("blends", "message"), [
-    (-0.1, r"point 0 = -0\.1 s"), (0.0, "point 0 = 0 s"), ([0.1, 0.2, -0.2], r"point 2 = -0\.2 s")])  # fmt: skip
+    (-0.1, r" = -0\.1 s"), (0.0, " = 0 s"), ([0.1, 0.2, -0.2], r"\[2\] = -0\.2 s")])  # fmt: skip
 def test_a_blend_takes_time(blends: ArrayLike, message: str) -> None:
     for make in (profiles.trapezoidal, profiles.polynomial_blends):
-        with pytest.raises(InputError, match=f"blend_time of {message} must be positive; without blends"):
+        with pytest.raises(InputError, match=f"blend_time{message} must be greater than 0 s; without blends"):
             make([[0.0], [1.0], [3.0]], [0.0, 1.0, 2.0], blend_time=blends)
 
 

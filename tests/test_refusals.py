@@ -243,6 +243,7 @@ def test_a_cell_that_leaves_no_time_for_its_cycle() -> None:
         cycle_case(resolve_cycle(make_task(document)))
 
 
+@pytest.mark.slow
 def test_more_joints_than_can_be_bounded_at_once(tmp_path: Path) -> None:
     snake = branched_arm(tmp_path, np.random.default_rng(1), 20)
     with pytest.raises(ps.ModelError, match="no certified bound: 19 joints act together, more than can be bounded"):

@@ -83,6 +83,7 @@ def folder(tmp_path: Path, puma: ps.Robot, monkeypatch: pytest.MonkeyPatch) -> P
     return tmp_path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", [page for page in PAGES if any(b.language == "python" for b in blocks(page))])
 def test_the_python_of_a_page_runs(page: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """In the order of the page, its pieces sharing their names; what it prints is the text block that follows."""
@@ -116,6 +117,7 @@ def _pages_with_commands() -> list[Any]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", _pages_with_commands())
 def test_the_commands_of_a_page_end_as_it_says(page: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     example_files(folder, page)

@@ -53,6 +53,7 @@ def is_known(puma: ps.Robot, seed: int) -> bool:
     return False
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [88, 244, 374])
 def test_a_peak_that_the_samples_do_not_tell_is_in_its_band(puma: ps.Robot, seed: int) -> None:
     """Seed 88 was outside by 14 %: more than two phases within a few samples, and the coarsest spline failed more."""
@@ -64,6 +65,7 @@ def test_a_break_that_rounding_puts_just_before_the_end_is_the_end(puma: ps.Robo
     assert is_known(puma, 295)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [478, 576])
 def test_a_fit_turns_where_the_joint_does(puma: ps.Robot, seed: int) -> None:
     """Joint 6 swung back by 5.9 nrad before its stop, where its spline misses by 5.0, and turned there; and at a stop

@@ -135,6 +135,7 @@ def test_two_points_have_one_duration(puma: ps.Robot) -> None:
         ps.least_time(profiles.quintic, points[:1], 1.0, robot=puma)
 
 
+@pytest.mark.slow
 def test_positions_are_held_by_the_proportions() -> None:
     """Without a bound the septic swings beyond its points, in proportions that position limits then rule out."""
     resolved = ps.resolve_task(ps.load_task("paper-turned"))
@@ -197,6 +198,7 @@ def is_least_and_kept(puma: ps.Robot, seed: int) -> None:
     assert not ps.assess(robot, shorter).is_feasible
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_random_least_times_pass_assess_and_are_least(puma: ps.Robot, seed: int) -> None:
     is_least_and_kept(puma, seed)

@@ -52,6 +52,7 @@ def test_the_front_is_that_of_all_combinations() -> None:
         assert choice.margin == pytest.approx(1 - choice.stress)  # without margins that are asked for
 
 
+@pytest.mark.slow
 def test_its_picture_has_a_point_for_each_choice() -> None:
     front = selection().front()
     picture = arm_front_picture(front)

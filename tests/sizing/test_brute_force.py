@@ -261,6 +261,7 @@ def small_cases() -> tuple[ps.sizing.LoadCase, ...]:
     return cases_of({"robot": {"source": str(path), "tool": "tip"}}, [0.2, 0.1], [1.4, 0.9])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [4, 6])
 def test_a_few_pairs_of_a_small_arm_are_judged_as_by_samples(seed: int) -> None:
     found = compared(10 + seed, small_cases(), 4, 3, range(2), None)

@@ -139,7 +139,8 @@ if moment == "half":
 
     pq.write_table = half
 elif moment == "flushed":
-    os.fsync = at(os.fsync, lambda *_: True, before=True)
+    chunk = lambda file: os.readlink(f"/proc/self/fd/{file}").endswith(".parquet.part")
+    os.fsync = at(os.fsync, chunk, before=True)
 else:
     chunk = lambda path, target: str(path).endswith(".parquet.part")
     Path.replace = at(Path.replace, chunk, before=moment == "unnamed")

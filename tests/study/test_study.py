@@ -194,7 +194,7 @@ def test_a_place_that_cannot_be_written_is_an_error(tmp_path: Path) -> None:
 FULL = """
 import resource, sys
 import puma_septic as ps
-resource.setrlimit(resource.RLIMIT_FSIZE, (9000, 9000))
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]),) * 2)
 axes = {"duration": [8, 9], "payload": {"from": 0, "to": 1, "count": 400}}
 study = ps.make_study({"task": "paper-turned", "axes": axes, "columns": ["peaks"]})
 try:
@@ -205,12 +205,12 @@ except ps.InputError as error:
 
 
 @pytest.mark.slow
-def test_a_full_disk_is_an_error_and_leaves_nothing_half(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("size", "told"), [(500, "study.json': cannot be written: "), (20000, "the study's folder")])
+def test_a_full_disk_is_an_error_and_leaves_nothing_half(tmp_path: Path, size: int, told: str) -> None:
     """A limit on the size of files stands for the disk: the system refuses the bytes beyond it in the same way."""
-    done = subprocess.run(
-        [sys.executable, "-c", FULL, str(tmp_path / "s")], capture_output=True, text=True, check=True, env=os.environ
-    )
-    assert "cannot write the study's folder" in done.stdout
+    command = [sys.executable, "-c", FULL, str(tmp_path / "s"), str(size)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=os.environ)
+    assert told in done.stdout
     assert "File too large" in done.stdout
     assert list((tmp_path / "s" / "chunks").iterdir()) == []
 

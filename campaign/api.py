@@ -79,7 +79,7 @@ def run(count: int, seed: int) -> tuple[Counter[str], list[str]]:
 
 def _files() -> None:
     """What the calls read, in the current folder."""
-    inputs()
+    inputs([])
     Path("plan.yaml").unlink(missing_ok=True)
     ps.write_joint_trajectory("plan.yaml", move())
     for name, kind in (("m.csv", "motors"), ("g.csv", "gearboxes")):

@@ -54,6 +54,11 @@ SKEW = [[1.0, 0.1, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
             lambda: ps.Catalogue(motors=[MOTOR], gearboxes=[GEARBOX], drives=[ps.Drive(), ps.Drive()]),
             "2 drives for 1 motors: expected one of each",
         ),
+        (lambda: ps.Piecewise.fit("sin", [0.0, 1.0]), "f: expected a function of time, got 'sin'"),
+        (
+            lambda: ps.fit_trajectory([0.0, 1.0], [[0.0, 0.0], [1.0, 1.0]], continuous=[True] * 3),
+            "continuous: expected True or False, or one of them for each of 2 joints",
+        ),
         (lambda: ps.Actuator(gear_ratio=0.0), "gear_ratio = 0: the ratio of motor speed to joint speed cannot be zero"),
         (lambda: replace(ROBOT, drivetrains=ROBOT.drivetrains[:1]), "actuators: 1 given for 6 joints"),
         (

@@ -28,6 +28,7 @@ __all__ = [
     "read_bytes",
     "read_text",
     "sha256_of",
+    "why",
     "yaml_documents",
     "yaml_places",
     "yaml_text",
@@ -45,6 +46,11 @@ def kind_of(path: Path) -> int:
         return stat.S_IFMT(path.stat().st_mode)
     except (FileNotFoundError, NotADirectoryError):
         return 0
+
+
+def why(error: Exception) -> str:
+    """The system's own words for an error, without its number and the path."""
+    return (isinstance(error, OSError) and error.strerror) or str(error)
 
 
 def read_bytes(path: Path, *, what: str, at_most: int) -> bytes:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import fcntl
 import os
-import reprlib
 import shutil
 import stat
 import unicodedata
@@ -20,7 +19,7 @@ from secrets import token_hex
 from typing import Final
 
 from puma_septic.errors import InputError
-from puma_septic.files import kind_of
+from puma_septic.files import checked_path, kind_of, why
 from puma_septic.validation import checked_flag
 
 __all__ = ["file_names", "new_folder", "write_file"]
@@ -61,7 +60,7 @@ def write_file(path: str | Path, content: str | bytes, *, overwrite: bool = Fals
     ...     path.read_text()
     'once'
     """
-    target = _path(path)
+    target = checked_path(path, "file or folder")
     checked_flag("overwrite", overwrite)
     try:
         if os.path.lexists(target) and not overwrite:
@@ -80,7 +79,7 @@ def write_file(path: str | Path, content: str | bytes, *, overwrite: bool = Fals
     except (OSError, RuntimeError, ValueError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(f"{str(target)!r}: cannot be written: {_reason(error)}") from error
+        raise InputError(f"{str(target)!r}: cannot be written: {why(error)}") from error
     return target
 
 
@@ -104,7 +103,7 @@ def new_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
     InputError
         If the folder has content, which is overwritten only on request, or cannot be written.
     """
-    target = _checked(_path(path), overwrite=checked_flag("overwrite", overwrite))
+    target = _checked(checked_path(path, "file or folder"), overwrite=checked_flag("overwrite", overwrite))
     exists = target.is_dir()
     try:
         with _unfinished(_workshop(target), is_folder=True) as partial:
@@ -118,7 +117,7 @@ def new_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
                 partial.replace(target)
                 _to_disk(target.parent)
     except OSError as error:
-        raise InputError(f"cannot write the folder {path}: {_reason(error)}") from error
+        raise InputError(f"cannot write the folder {path}: {why(error)}") from error
 
 
 def file_names(names: Sequence[str]) -> list[str]:
@@ -141,13 +140,6 @@ def file_names(names: Sequence[str]) -> list[str]:
         found.append(next(one for one in numbered if one.casefold() not in taken))
         taken.add(found[-1].casefold())
     return found
-
-
-def _path(path: str | Path) -> Path:
-    try:
-        return Path(path)
-    except TypeError as error:
-        raise InputError(f"expected the path of a file or folder, got {reprlib.repr(path)}") from error
 
 
 def _checked(path: Path, *, overwrite: bool) -> Path:
@@ -309,7 +301,3 @@ def _to_disk(path: Path) -> None:
             raise
     finally:
         os.close(handle)
-
-
-def _reason(error: Exception) -> str:
-    return (isinstance(error, OSError) and error.strerror) or str(error)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-from puma_septic.cli._arguments import add_payload, add_robot
+from puma_septic.cli._arguments import add_payload, add_robot, finite, positive
 from puma_septic.cli._output_arguments import add_format
 from puma_septic.cli._parser import Answer
 
@@ -52,10 +52,13 @@ def add_arguments(parser: ArgumentParser) -> None:
         " unbounded_acceleration or moving_end (repeatable)",
     )
     parser.add_argument(
-        "--floor", type=float, metavar="M", help="height that no joint and not the tool may come below, from the base"
+        "--floor", type=finite, metavar="M", help="height that no joint and not the tool may come below, from the base"
     )
     parser.add_argument(
-        "--tool-speed", type=float, metavar="M/S", help="maximum speed of the tool, such as 0.25 by hand (ISO 10218-1)"
+        "--tool-speed",
+        type=positive,
+        metavar="M/S",
+        help="maximum speed of the tool, such as 0.25 by hand (ISO 10218-1)",
     )
     parser.add_argument("--topic", metavar="NAME", help="topic of a recording: JointTrajectory, or JointState as a log")
     add_format(parser, "text", "json", "csv")

@@ -110,10 +110,8 @@ def _asked(arguments: Namespace) -> _Asked:
     return _Asked(
         start_tolerance=checked_number("--start-tolerance", tolerance, unit="rad", at_least=0.0),
         allow=tuple(sorted(checked_allowances(arguments.allow, tuple(QUANTITIES)))),
-        floor=None if arguments.floor is None else checked_number("--floor", arguments.floor, unit="m"),
-        tool_speed=None
-        if arguments.tool_speed is None
-        else checked_number("--tool-speed", arguments.tool_speed, unit="m/s", above=0.0),
+        floor=arguments.floor,
+        tool_speed=arguments.tool_speed,
     )
 
 

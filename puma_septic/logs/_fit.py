@@ -31,7 +31,14 @@ from puma_septic.logs._spline import (
     least_squares,
     merged_columns,
 )
-from puma_septic.logs._spread import Spread, noise_doubts, sample_doubts, sample_remarks, through
+from puma_septic.logs._spread import (
+    Spread,
+    noise_doubts,
+    sample_doubts,
+    sample_remarks,
+    through,
+    velocity_step_doubts,
+)
 from puma_septic.logs._suspicions import suspicions
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import (
@@ -243,7 +250,7 @@ def fit_samples(
     spread, jitter = _fitted(t, q, noise, step, smoothing, found, labels)
     questions = (
         *sample_doubts(spread, labels),
-        *_steps_of_velocity(spread, labels),
+        *velocity_step_doubts(spread, labels),
         *suspicions(t, q, labels, bounds=bounds, units_stated=units_stated),
     )
     trajectory = Trajectory(
@@ -314,20 +321,6 @@ def fit_residual(trajectory: Trajectory) -> FitResidual:
     """
     difference = checked_kind("trajectory", trajectory, Trajectory).points - trajectory(trajectory.times)
     return FitResidual(max=np.abs(difference).max(axis=0), rms=np.sqrt((difference**2).mean(axis=0)))
-
-
-def _steps_of_velocity(spread: Spread, labels: Sequence[str]) -> list[str]:
-    """Whether a velocity really steps, or changes within one step of time, the samples cannot tell."""
-    steps = [
-        (one.time, label) for some, label in zip(spread.breaks, labels, strict=False) for one in some if one.order == 1
-    ]
-    if not steps:
-        return []
-    time, label = min(steps)
-    return [
-        f"a step of velocity? {label} changes its velocity within one step of time at {time:.6g} s: the acceleration"
-        " there is not known"
-    ]
 
 
 def _resolution(t: Array, spread: Spread) -> Array:

@@ -15,7 +15,7 @@ from puma_septic.logs._smoothing import Smoothed
 from puma_septic.logs._spline import DEGREE, as_spline, end_slopes, interpolated
 from puma_septic.validation import Array
 
-__all__ = ["Spread", "noise_doubts", "sample_doubts", "sample_remarks", "through", "unresolved"]
+__all__ = ["Spread", "noise_doubts", "sample_doubts", "sample_remarks", "through", "unresolved", "velocity_step_doubts"]
 
 # Travel of a joint at rest, in standard deviations: of a sample where the spline passes through the samples, of the
 # spline's own deviations where it is smoothed.
@@ -203,6 +203,20 @@ def _between(spread: Spread, labels: Sequence[str], least: float, most: float) -
         return ()
     known = f"only to {part[j]:.2g} of its peak" if np.isfinite(part[j]) else "not at all, as they are too few"
     return (f"samples: between them the acceleration of {labels[j]} is known {known}",)
+
+
+def velocity_step_doubts(spread: Spread, labels: Sequence[str]) -> tuple[str, ...]:
+    """Whether a velocity really steps, or changes within one step of time, the samples cannot tell."""
+    steps = [
+        (one.time, label) for some, label in zip(spread.breaks, labels, strict=False) for one in some if one.order == 1
+    ]
+    if not steps:
+        return ()
+    time, label = min(steps)
+    return (
+        f"a step of velocity? {label} changes its velocity within one step of time at {time:.6g} s: the acceleration"
+        " there is not known",
+    )
 
 
 def noise_doubts(spread: Spread, labels: Sequence[str]) -> tuple[str, ...]:

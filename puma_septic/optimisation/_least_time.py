@@ -277,14 +277,13 @@ def least_time(
     )
     n_joints = setting.variables.points.shape[1]
     limits = _checked_limits(n_joints, (max_velocity, max_acceleration, max_jerk), robot, quantities)
-    if np.isnan(limits).all() and "effort" not in quantities and tool_limits is None:
+    has_effort = "effort" in quantities
+    if np.isnan(limits).all() and not has_effort and tool_limits is None:
         raise InputError(
             "without a limit there is no least time; give max_velocity, max_acceleration or max_jerk, or a robot whose"
             " limits are known"
         )
-    torque = None
-    if "effort" in quantities:
-        torque = excess_function(robot, n_joints, max_overshoot=None, keep=("effort",))
+    torque = excess_function(robot, n_joints, max_overshoot=None, keep=("effort",)) if has_effort else None
     race = Proportions(setting=setting, limits=limits, torque=torque, tool_limits=tool_limits)
     count = checked_whole("restarts", restarts, at_least=0, at_most=MOST_RESTARTS) if setting.variables.size else 0
     starts = random_starts(setting.variables, setting.first(), count, seed)

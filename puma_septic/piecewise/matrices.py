@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Callable
+from contextlib import suppress
 from fractions import Fraction
 from functools import wraps
 from math import comb
@@ -77,8 +78,9 @@ def kept(build: Callable[[*_Degrees], _T]) -> Callable[[*_Degrees], _T]:
         except KeyError:  # or another thread has put it out just now
             found = build(*degrees)
             _kept[key] = found, _bytes(found)
-            while sum(size for _, size in list(_kept.values())) > _KEPT_BYTES:
-                _kept.popitem(last=False)
+            with suppress(KeyError):  # another thread has put out the last one
+                while sum(size for _, size in list(_kept.values())) > _KEPT_BYTES:
+                    _kept.popitem(last=False)
         return found
 
     return get

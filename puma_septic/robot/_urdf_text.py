@@ -11,7 +11,7 @@ from typing import Literal, NoReturn, final
 from xml.parsers import expat
 
 from puma_septic.errors import ModelError
-from puma_septic.files import kind_of
+from puma_septic.files import kind_of, why
 
 __all__ = ["Finding", "UrdfText", "read_urdf", "read_utf8"]
 
@@ -161,8 +161,7 @@ def _read(path: Path, what: str, max_bytes: int) -> bytes:
         with path.open("rb") as stream:
             data = stream.read(max_bytes + 1)
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
-        reason = (isinstance(error, OSError) and error.strerror) or error
-        raise ModelError(f"{path}: this {what} cannot be read: {reason}") from error
+        raise ModelError(f"{path}: this {what} cannot be read: {why(error)}") from error
     if len(data) > max_bytes:
         raise ModelError(f"{path}: this {what} is larger than {max_bytes / 1e6:g} MB")
     return data

@@ -23,7 +23,7 @@ from rosbags.typesys import Stores, TypesysError, get_typestore
 from rosbags.typesys.store import Typestore
 
 from puma_septic.errors import InputError
-from puma_septic.files import kind_of, sha256_of
+from puma_septic.files import kind_of, sha256_of, why
 
 if sys.version_info >= (3, 14):  # as rosbags does
     from compression import zstd
@@ -130,8 +130,7 @@ def _files(path: Path) -> list[Path]:
     try:
         kind = kind_of(path)
     except (OSError, ValueError) as error:
-        reason = (isinstance(error, OSError) and error.strerror) or error
-        raise InputError(f"{path}: this recording cannot be read: {reason}") from error
+        raise InputError(f"{path}: this recording cannot be read: {why(error)}") from error
     if not kind:
         raise InputError(f"{path}: this recording does not exist")
     files = sorted(one for one in path.iterdir() if one.is_file()) if stat.S_ISDIR(kind) else [path]

@@ -95,6 +95,15 @@ def _listening(handler: type[BaseHTTPRequestHandler], port: int) -> ThreadingHTT
     raise InputError(f"no port of {_ADDRESS} can be opened: {reason}") from reason
 
 
+_HEADERS: Final = {
+    "Cache-Control": "no-store",
+    "Content-Security-Policy": "frame-ancestors 'none'",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+}
+
+
 def _handler(page: bytes) -> type[BaseHTTPRequestHandler]:
     class Handler(BaseHTTPRequestHandler):
         timeout = _PATIENCE
@@ -104,15 +113,9 @@ def _handler(page: bytes) -> type[BaseHTTPRequestHandler]:
         def do_GET(self) -> None:
             status, body = self._answer()
             self.send_response(status)
-            for name, value in (
-                ("Content-Type", "text/html; charset=utf-8" if status == HTTPStatus.OK else "text/plain"),
-                ("Content-Length", str(len(body))),
-                ("Cache-Control", "no-store"),
-                ("Content-Security-Policy", "frame-ancestors 'none'"),
-                ("Cross-Origin-Resource-Policy", "same-origin"),
-                ("Referrer-Policy", "no-referrer"),
-                ("X-Content-Type-Options", "nosniff"),
-            ):
+            self.send_header("Content-Type", "text/html; charset=utf-8" if status == HTTPStatus.OK else "text/plain")
+            self.send_header("Content-Length", str(len(body)))
+            for name, value in _HEADERS.items():
                 self.send_header(name, value)
             self.end_headers()
             if self.command == "GET":

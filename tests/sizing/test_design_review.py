@@ -347,19 +347,11 @@ def test_the_worst_pose_holds_what_the_certified_bound_says() -> None:
 
 
 @pytest.mark.slow
-def test_one_size_for_several_joints_and_a_front() -> None:
+def test_one_size_for_several_joints() -> None:
     wrist = ["joint4", "joint5", "joint6"]
     chosen = ps.size(cycle(), catalogue=ps.built_in_catalogue(), same=[wrist], rank="mass")
     assert len({(chosen.joint(name).best.motor, chosen.joint(name).best.gearbox) for name in wrist}) == 1
     assert any(note.startswith("one size for joint4, joint5, joint6: ") for note in chosen.notes)
-    joint = ps.size(cycle(), catalogue=ps.built_in_catalogue(), keep=None).joint("joint2")
-    points = np.array([[c.mass, c.cost, c.stress] for c in joint.kept])
-    best = {
-        (c.motor, c.gearbox)
-        for c, point in zip(joint.kept, points, strict=True)
-        if not ((points <= point).all(axis=1) & (points < point).any(axis=1)).any()
-    }
-    assert {(c.motor, c.gearbox) for c in joint.front()} == best
 
 
 # ---- W2, W12: what is handed out

@@ -243,7 +243,8 @@ def checked_kind(name: str, value: Kind, kind: type[Any] | tuple[type[Any], ...]
     """Return `value` if it is one of ours; anything else in its place would be found out much later, if at all."""
     if not isinstance(value, kind):
         kinds = " or ".join(one.__name__ for one in (kind if isinstance(kind, tuple) else (kind,)))
-        raise InputError(f"{name}: expected {kinds}(...), got {reprlib.repr(value)}")
+        wanted = "a text" if kind is str else f"{kinds}(...)"
+        raise InputError(f"{name}: expected {wanted}, got {reprlib.repr(value)}")
     return value
 
 

@@ -169,6 +169,8 @@ def test_kinds_lists_and_texts() -> None:
     assert checked_kind("robot", PUMA, ps.Robot) is PUMA
     with pytest.raises(ps.InputError, match=r"^payload: expected Payload or Wrench\(\.\.\.\), got 1$"):
         checked_kind("payload", 1, (ps.Payload, ps.Wrench))
+    with pytest.raises(ps.InputError, match=r"^parameters: expected a text, got 3$"):
+        ps.load_robot(parameters=3)  # type: ignore[arg-type]
     assert checked_list("x", iter((1, 2))) == (1, 2)
     assert checked_texts("x", None) == ()
     for value in ("ab", b"ab", 3):

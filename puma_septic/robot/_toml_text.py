@@ -95,5 +95,5 @@ def _checked(value: Any, where: str) -> Any:
     if isinstance(value, list):
         return [_checked(item, f"{where}, {k}") for k, item in enumerate(value)]
     if isinstance(value, int) and not _INTEGERS[0] <= value <= _INTEGERS[1]:
-        raise ModelError(f"{where}: an integer of {value.bit_length()} bits; at most 64 are allowed")
+        raise ModelError(f"{where}: an integer beyond 64 bits; valid: -2^63 to 2^63 - 1")
     return readable(value) if isinstance(value, str) else value

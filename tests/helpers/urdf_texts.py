@@ -78,6 +78,14 @@ def load(folder: Path, text: str | bytes = ARM, drives: str | None = None, **opt
     return ps.load_robot(path, **options)
 
 
+def told(folder: Path, text: str) -> str:
+    """What is said of a file, whether it is refused or not."""
+    try:
+        return "\n".join(load(folder, text).notes)
+    except ps.ModelError as error:
+        return str(error)
+
+
 # A planar arm with two links of 1 m.
 _PLANAR_LINK = """<link name="{name}"><inertial><origin xyz="0.5 0 0"/><mass value="1"/>
 <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>"""

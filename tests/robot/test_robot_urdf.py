@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
-from helpers.urdf_texts import ARM, DRIVES, INERTIA, INERTIAL, load, replaced
+from helpers.urdf_texts import ARM, DRIVES, INERTIA, INERTIAL, load, replaced, told
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -301,59 +301,6 @@ def test_everything_wrong_is_told_at_once(tmp_path: Path) -> None:
         "line 15, <joint> 'mount': type='Fixed' is unknown",
     ):  # fmt: skip
         assert part in message
-
-
-def told(folder: Path, text: str) -> str:
-    """What is said of a file, whether it is refused or not."""
-    try:
-        return "\n".join(load(folder, text).notes)
-    except ps.ModelError as error:
-        return str(error)
-
-
-# In a link, or beside the axis of a joint: each attribute that has numbers, and how many.
-NUMBERS = {
-    "<visual><geometry><box {}/></geometry></visual>": {"size": 3},
-    "<visual><geometry><sphere {}/></geometry></visual>": {"radius": 1},
-    '<visual><geometry><cylinder length="1" {}/></geometry></visual>': {"radius": 1},
-    '<visual><geometry><cylinder radius="1" {}/></geometry></visual>': {"length": 1},
-    '<visual><geometry><mesh filename="a.stl" {}/></geometry></visual>': {"scale": 3},
-    '<visual><geometry><sphere radius="1"/></geometry><material name="m"><color {}/></material></visual>': {"rgba": 4},
-    "<inertial><origin {}/><mass value='1'/>" + INERTIA + "</inertial>": {"xyz": 3, "rpy": 3},
-    "<inertial><mass {}/>" + INERTIA + "</inertial>": {"value": 1},
-    "<dynamics {}/>": {"damping": 1, "friction": 1},
-    "<safety_controller {}/>": dict.fromkeys(("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"), 1),
-    "<calibration {}/>": {"rising": 1, "falling": 1, "reference_position": 1},
-    '<mimic joint="elbow" {}/>': {"multiplier": 1, "offset": 1},
-}
-
-
-@pytest.mark.parametrize(
-    ("markup", "name", "count"), [(markup, name, n) for markup, names in NUMBERS.items() for name, n in names.items()]
-)
-def test_each_value_has_its_count_of_numbers(tmp_path: Path, markup: str, name: str, count: int) -> None:
-    """ros.org/wiki/urdf/XML: one number too many is told, whatever depends on it."""
-    old, new = ('<axis xyz="0 1 0"/>',) * 2
-    if markup.startswith(("<visual>", "<inertial>")):
-        old, new = '<link name="tip"/>', '<link name="tip">'
-        markup += "</link>"
-    value = " ".join(["1"] * (count + 1))
-    expected = "one number" if count == 1 else f"{count} numbers with spaces between"
-    text = replaced(old, new + markup.format(f'{name}="{value}"'))
-    assert f"{name}={value!r}: expected {expected}" in told(tmp_path, text)
-
-
-@pytest.mark.parametrize(
-    ("old", "element"),
-    [
-        ('<mass value="3"/>', "mass"), (INERTIA, "inertia"), ('<origin xyz="0 0 0.2"/>', "origin"),
-        (INERTIAL, "inertial"), ('<axis xyz="0 1 0"/>', "axis"), ('<parent link="base"/>', "parent"),
-        ('<child link="upper"/>', "child"), ('<origin xyz="0 0 0.5"/>', "origin"),
-        ('<limit lower="-2" upper="2" effort="50" velocity="3"/>', "limit"),
-    ],
-)  # fmt: skip
-def test_what_may_be_there_once_is_not_there_twice(tmp_path: Path, old: str, element: str) -> None:
-    assert f"has <{element}> twice" in told(tmp_path, replaced(old, old + old))
 
 
 @pytest.mark.parametrize(("angle", "is_odd"), [("6.28", False), ("-6.28", False), ("6.29", True), ("-90", True)])

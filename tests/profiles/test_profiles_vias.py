@@ -23,7 +23,7 @@ def made(name: str, times: np.ndarray) -> ps.Trajectory:
 
 
 @pytest.mark.parametrize("name", TIMED)
-@pytest.mark.parametrize("origin", [2.0**20, 2.0**30 + 0.5, -(2.0**30)])
+@pytest.mark.parametrize("origin", [2.0**20, 2.0**30 + 0.5, -(2.0**30), -3.0])  # the last ends at 0
 def test_a_clock_that_begins_anywhere_changes_no_digit(name: str, origin: float) -> None:
     """Stamps since 1970 (about 2^30 s), as every bag of ROS has, once spoilt the jerk and then the verdict.
 

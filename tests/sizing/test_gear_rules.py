@@ -176,10 +176,15 @@ def test_the_published_efficiency_of_a_unit_with_seals() -> None:
     assert round(100 * 35 / 80 / (35 / 80 + lost)) == 50
 
 
+MAP_TORQUES = (5.0, 15.0, 20.0, 25.0, 40.0)
 MAP = [
     [w, t, e]
-    for w, row in ((50.0, (0.5, 0.6, 0.7)), (150.0, (0.45, 0.58, 0.66)), (300.0, (0.4, 0.52, 0.6)))
-    for t, e in zip((5.0, 15.0, 40.0), row, strict=True)
+    for w, row in (
+        (50.0, (0.5, 0.6, 0.63, 0.66, 0.7)),
+        (150.0, (0.45, 0.58, 0.6, 0.63, 0.66)),
+        (300.0, (0.4, 0.52, 0.55, 0.57, 0.6)),
+    )
+    for t, e in zip(MAP_TORQUES, row, strict=True)
 ]
 
 
@@ -192,11 +197,12 @@ def test_a_map_of_efficiency_is_followed_exactly(joint: int, slower: float) -> N
     t = (np.arange(50_000) + 0.5) * cycle().duration / 50_000
     v, tau = load.velocity(t)[:, 0], np.abs(load.torque(t)[:, 0])
     rows = np.array(MAP)
-    lost = (rows[:, 1] / 80 * (1 / rows[:, 2] - 1)).reshape(3, 3)
+    lost = (rows[:, 1] / 80 * (1 / rows[:, 2] - 1)).reshape(3, -1)
     idle = lost[:, 0] - (lost[:, 1] - lost[:, 0]) / 10 * 5
     speeds = np.array([50.0, 150.0, 300.0]) / slower
     assert (np.abs(v).max() * 80 > speeds[-1]) == (slower > 1)
-    grid = (speeds, (0.0, 5.0, 15.0, 40.0))
+    assert (tau.max() > MAP_TORQUES[-2]) == (joint == 1)
+    grid = (speeds, (0.0, *MAP_TORQUES))
     surface = RegularGridInterpolator(grid, np.column_stack([idle, lost]), bounds_error=False, fill_value=None)
     expected = np.sign(v) * surface(np.column_stack([np.clip(np.abs(v) * 80, *speeds[[0, -1]]), tau]))
     assert found(t)[:, 0] == pytest.approx(expected, abs=1e-12)

@@ -197,6 +197,23 @@ def test_a_winding_that_runs_away_has_no_bound() -> None:
     assert_each_pair_is_judged_as_alone(catalogue, place, 1, periodic=True)
 
 
+@pytest.mark.parametrize("j", [0, 1])
+def test_bounds_hold_for_slow_windings_and_low_ratios(j: int) -> None:
+    """A winding whose heat capacity is that of a large motor, and power that is large beside the ratio."""
+    drive = ps.Drive(
+        bus_voltage=48.0, continuous_current=9.0, peak_current=90.0, continuous_power=60.0, peak_power=900.0,
+        peak_regenerated_power=90.0, storable_energy=20.0, brake_resistor_power=3.0,
+    )  # fmt: skip
+    place = ps.Drivetrain(motor=ps.Motor(), gearbox=ps.Gearbox(ratio=1.0), drive=drive, ambient_celsius=20.0)
+    motor = ps.Motor(
+        name="M", torque_constant=0.5, resistance=0.001, rotor_inertia=1e-4, viscous_friction=1e-4,
+        coulomb_friction=0.01, peak_torque=30.0, continuous_torque=9.0, max_speed=500.0, max_winding_celsius=155.0,
+        thermal_resistances=[0.5, 1.0], thermal_time_constants=[200.0, 3000.0],
+    )  # fmt: skip
+    gears = [ps.Gearbox(name=f"G{n}", ratio=n, efficiency=0.8, inertia=1e-6) for n in (3.0, 10.0, 60.0)]
+    assert_each_pair_is_judged_as_alone(ps.Catalogue(motors=[motor], gearboxes=gears), place, j, periodic=True)
+
+
 def assert_each_pair_is_judged_as_alone(catalogue: ps.Catalogue, place: ps.Drivetrain, j: int, periodic: bool) -> None:
     """The same verdict for every pair, the same numbers for every pair kept, and a reason that is one."""
     selection = select_joint(alone(load(j, periodic)), catalogue, 0, rank="mass", keep=None, places=[place])

@@ -1,21 +1,23 @@
 """The folder of a study: its definition, one Parquet file for each chunk, a lock.
 
-A chunk is written under another name, flushed to the disk and then given its own: it is there whole or not at all.
-Pages carry checksums (CRC-32), so that a flipped bit is found when they are read.
+A chunk is there whole or not at all, and its name ends in the CRC-32 of its bytes: Parquet's own checksums leave out
+the footer, where a flipped bit renames a column or moves the bounds by which a query passes over rows.
 """
 
 from __future__ import annotations
 
 import fcntl
 import json
-import os
+import re
+import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any, Final, final
 
 from puma_septic.errors import InputError
+from puma_septic.files import why
 from puma_septic.outputs import write_file
 
 try:
@@ -33,7 +35,7 @@ __all__ = ["StudyFolder", "table_from_bytes", "table_of", "table_to_bytes"]
 _DEFINITION: Final = "study.json"
 _LOCK: Final = "lock"
 _CHUNKS: Final = "chunks"
-_PARTIAL: Final = ".part"
+_CHUNK: Final = re.compile(r"(?P<k>\d{8})-(?P<crc>[0-9a-f]{8})\.parquet")
 
 
 def table_of(columns: dict[str, Any]) -> pa.Table:
@@ -74,11 +76,6 @@ class StudyFolder:
         """The folder of its Parquet files."""
         return self.path / _CHUNKS
 
-    @property
-    def pattern(self) -> str:
-        """All of them, for what reads a dataset."""
-        return str(self.chunks / "*.parquet")
-
     def definition(self) -> dict[str, Any]:
         """What the study was, as `Study.document` gave it.
 
@@ -109,8 +106,6 @@ class StudyFolder:
             with (self.path / _LOCK).open("a") as lock:
                 _hold(lock, self.path)
                 self._claim(study)
-                for left in self.chunks.glob(f"*{_PARTIAL}"):
-                    left.unlink()
                 yield
         except OSError as error:
             raise InputError(f"cannot write the study's folder {self.path}: {error.strerror or error}") from error
@@ -121,7 +116,9 @@ class StudyFolder:
         if not file.exists():
             if any(self.chunks.iterdir()):
                 raise InputError(f"{self.path}: has chunks but no {_DEFINITION}; name another folder")
-            write_file(file, json.dumps(document, indent=2))
+            write_file(
+                file, json.dumps(document, indent=2), overwrite=True
+            )  # by a rename alone: no second name is left
         old = self.definition()
         if old.get("digest") != study.digest:
             changed = [key for key, value in document.items() if key != "digest" and old.get(key) != value]
@@ -130,60 +127,42 @@ class StudyFolder:
                 " folder, or take the old definition"
             )
 
-    def file(self, k: int) -> Path:
-        """Of chunk k."""
-        return self.chunks / f"{k:08d}.parquet"
-
-    def finished(self, study: Study) -> set[int]:
-        """The chunks that are there.
+    def finished(self) -> dict[int, Path]:
+        """The files of the chunks that are there, in order.
 
         Raises
         ------
         InputError
-            For a file that is damaged, with its name.
+            For one that is damaged, with its name.
         """
-        done = set()
-        for k in range(study.n_chunks):
-            if self.file(k).exists():
-                rows = min(study.chunk, study.n_cases - k * study.chunk)
-                check_chunk(self.file(k), rows)
-                done.add(k)
-        return done
+        found = {}
+        for path in sorted(self.chunks.glob("*.parquet")):
+            if name := _CHUNK.fullmatch(path.name):
+                _check_chunk(path, name["crc"])
+                found[int(name["k"])] = path
+        return found
 
     def write(self, k: int, table: pa.Table) -> None:
         """Chunk k, whole or not at all."""
-        target = self.file(k)
-        partial = target.with_name(target.name + _PARTIAL)
-        try:
-            with partial.open("wb") as stream:
-                pq.write_table(table, stream, compression="zstd", write_page_checksum=True)
-                stream.flush()
-                os.fsync(stream.fileno())
-            partial.replace(target)
-        except OSError:
-            with suppress(OSError):
-                partial.unlink()
-            raise
+        sink = pa.BufferOutputStream()
+        pq.write_table(table, sink, compression="zstd")
+        data = sink.getvalue().to_pybytes()
+        write_file(self.chunks / f"{k:08d}-{_crc(data)}.parquet", data, overwrite=True)
 
 
-def check_chunk(path: Path, rows: int | None = None) -> int:
-    """Read a chunk, checksums of its pages included; how many rows it has.
+def _crc(data: bytes) -> str:
+    return f"{zlib.crc32(data):08x}"
 
-    Raises
-    ------
-    InputError
-        For a file that is damaged.
-    """
+
+def _check_chunk(path: Path, crc: str) -> None:
     try:
-        found = pq.read_table(path, page_checksum_verification=True).num_rows
-    except (OSError, pa.ArrowException) as error:
+        damage = "" if _crc(path.read_bytes()) == crc else "its bytes have another checksum than its name"
+    except OSError as error:
+        damage = why(error)
+    if damage:
         raise InputError(
-            f"{path}: this chunk is damaged ({' '.join(str(error).split())}); delete it and run the study again: all"
-            " others are kept"
-        ) from error
-    if rows is not None and found != rows:
-        raise InputError(f"{path}: has {found} rows, {rows} were expected; delete it and run the study again")
-    return int(found)
+            f"{path}: this chunk is damaged ({damage}); delete it and run the study again: all others are kept"
+        )
 
 
 def _hold(lock: IO[str], path: Path) -> None:

@@ -111,7 +111,7 @@ def run_study(
     place = StudyFolder(path=Path(folder))
     n_joints = joint_count(study)
     with place.opened(study):
-        done = place.finished(study)
+        done = place.finished()
         missing = [k for k in range(study.n_chunks) if k not in done]
         count = sum(_size(study, k) for k in done)
         before = count

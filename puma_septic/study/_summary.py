@@ -12,7 +12,7 @@ import numpy as np
 
 from puma_septic.document import SCHEMAS, plain
 from puma_septic.errors import InputError
-from puma_septic.study._folder import StudyFolder, check_chunk
+from puma_septic.study._folder import StudyFolder
 from puma_septic.validation import Array, checked_choice
 from puma_septic.views import study as view
 
@@ -157,11 +157,9 @@ def _opened(folder: str | Path) -> tuple[dict[str, Any], Any]:
     """A study's definition, and what answers queries of the view "cases"."""
     place = StudyFolder(path=Path(folder))
     definition = place.definition()
-    files = sorted(place.chunks.glob("*.parquet"))
+    files = place.finished().values()
     if not files:
         raise InputError(f"{place.path}: no chunk is finished yet; run the study")
-    for file in files:
-        check_chunk(file)
     connection = duckdb.connect()
     relation = connection.read_parquet([str(file) for file in files])
     relation.create_view("cases")

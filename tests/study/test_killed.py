@@ -123,27 +123,26 @@ def at(name, wanted, before):
     return patched
 
 
-import pyarrow.parquet as pq
-
 if moment == "half":
-    write = pq.write_table
+    write = Path.write_bytes
 
-    def half(table, stream, **options):
+    def half(path, data):
         global seen
-        seen += 1
+        seen += data.startswith(b"PAR1")
         if seen < count:
-            return write(table, stream, **options)
-        stream.write(b"PAR1" + bytes(1000))
-        stream.flush()
+            return write(path, data)
+        write(path, data[:1000])
         os.kill(os.getpid(), signal.SIGKILL)
 
-    pq.write_table = half
+    Path.write_bytes = half
 elif moment == "flushed":
-    chunk = lambda file: os.readlink(f"/proc/self/fd/{file}").endswith(".parquet.part")
+    def chunk(file):
+        place = Path(os.readlink(f"/proc/self/fd/{file}"))
+        return place.parent.name == "chunks" and place.suffix == ".part"
+
     os.fsync = at(os.fsync, chunk, before=True)
 else:
-    chunk = lambda path, target: str(path).endswith(".parquet.part")
-    Path.replace = at(Path.replace, chunk, before=moment == "unnamed")
+    Path.replace = at(Path.replace, lambda path, target: target.suffix == ".parquet", before=moment == "unnamed")
 sys.argv = sys.argv[:4]
 """
 
@@ -165,10 +164,10 @@ def test_sigkill_inside_a_write(tmp_path: Path, files: tuple[Path, Path], moment
         after = finished(folder)
         assert len(after) == there
         assert all(after[name] == when for name, when in before.items())
-        assert len(list((folder / "chunks").glob("*.part"))) == (moment != "named")
+        assert len(list((folder / "chunks").glob(".*.part"))) == (moment != "named")
     subprocess.run([sys.executable, str(script), str(study), str(folder), "1"], check=True)
     assert rows(folder) == rows(tmp_path / "undisturbed")
-    assert not list((folder / "chunks").glob("*.part"))
+    assert not list((folder / "chunks").glob(".*.part"))
 
 
 class Cluster:

@@ -34,7 +34,7 @@ from puma_septic.cli import (
     _size,
     _study,
 )
-from puma_septic.cli._messages import blamed, fault_text, spelt
+from puma_septic.cli._messages import blamed, fault_text, missing_library, spelt
 from puma_septic.cli._output_arguments import asked_units, check_out
 from puma_septic.cli._parser import Command, parse
 from puma_septic.cli._terminal import coloured, has_colour, terminal_width, waiting
@@ -97,8 +97,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         _complain("puma-septic: interrupted\n")
         return INTERRUPTED + signal.SIGINT
     except Exception as error:  # the last resort: Python's own exit code would be 1, which is a verdict
-        _complain(fault_text(error, given, debug="--debug" in given))
-        return FAULT
+        lacking = missing_library(error)
+        _complain(lacking or fault_text(error, given, debug="--debug" in given))
+        return BAD_INPUT if lacking else FAULT
 
 
 class _Ended(KeyboardInterrupt):

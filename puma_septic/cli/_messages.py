@@ -12,7 +12,7 @@ from typing import Final
 
 from puma_septic._version import __version__
 
-__all__ = ["blamed", "fault_text", "spelt"]
+__all__ = ["blamed", "fault_text", "missing_library", "spelt"]
 
 # Where a task would have had the value that an option replaced.
 _PLACE: Final = re.compile(r"^(?:built-in task '[^']*'|[^:]*): (?:robot|branch|payload|profiles\[\d+\]): ")
@@ -119,6 +119,15 @@ def fault_text(error: Exception, given: Sequence[str], *, debug: bool) -> str:
     if debug:
         return "".join(traceback.format_exception(error)) + "\n".join([*lines, ""])
     return "\n".join([*lines, "The option --debug shows the full traceback.", ""])
+
+
+def missing_library(error: Exception) -> str:
+    """The line for stderr where the system lacks a library that a package is linked to; "" for any other reason."""
+    found = re.match(r"(?P<library>\S+): cannot open shared object file", str(error))
+    if found is None or not isinstance(error, ImportError):
+        return ""
+    remedy = " (Debian, Ubuntu: apt-get install libgomp1)" if "libgomp" in found["library"] else ""
+    return f"puma-septic: error: this system lacks the library {found['library']}; install it{remedy}\n"
 
 
 def _place(error: Exception) -> str:

@@ -521,6 +521,28 @@ def test_an_unforeseen_exception_is_70_with_what_to_report(
     assert capsys.readouterr().err.startswith("Traceback (most recent call last):")
 
 
+def test_a_library_that_the_system_lacks_is_named(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """In a slim container, where it was told as a fault of the program; any other failed import still is."""
+
+    def fail(*_: object) -> None:
+        raise ImportError(message)
+
+    monkeypatch.setattr(_assess, "run", fail)
+    message = "libgomp.so.1: cannot open shared object file: No such file or directory"
+    assert main(["assess"]) == 2
+    assert capsys.readouterr().err == (
+        "puma-septic: error: this system lacks the library libgomp.so.1; install it (Debian, Ubuntu: apt-get install"
+        " libgomp1)\n"
+    )
+    message = "libexpat.so.1: cannot open shared object file: No such file or directory"
+    assert main(["assess"]) == 2
+    assert capsys.readouterr().err.endswith("the library libexpat.so.1; install it\n")
+    message = "cannot import name 'x'"
+    assert main(["assess"]) == 70
+
+
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_takes_debug(command: str) -> None:
     needed = {"check": ["--robot", "puma560", "plan.yaml"], "study": ["reach.yaml"], "init": ["task"]}

@@ -53,6 +53,7 @@ def test_its_document_has_the_pose(capsys: pytest.CaptureFixture[str]) -> None:
     assert_documented(document)
     assert document["pose"]["position"] == pytest.approx([0.0, 0.0, 1.2])
     assert [joint["mass"] for joint in document["joints"]] == [6.0, 3.0]
+    assert document["frames"] == ["base", "upper", "fore", "tip"]
 
 
 @pytest.mark.usefixtures("here")

@@ -217,6 +217,9 @@ def test_the_puma_s_file_adds_published_values_with_their_source(puma: ps.Robot)
     motors = [train.motor for train in ps.load_drivetrains(puma)]
     assert [motor.max_speed for motor in motors] == [120.0, 163.0, 129.0, 406.0, 366.0, 440.0]
     assert motors[1].torque_constant == 0.228
+    own = ps.own_drivetrains(puma)[1].motor.source
+    assert own
+    assert motors[1].source.startswith(f"{own}; ")
     assert "torque_constant: RVC, table 9.1" in motors[1].source
     assert np.isnan(motors[0].torque_constant)
     assert motors[1].rotor_inertia == 200e-6

@@ -231,6 +231,8 @@ def test_parts_of_a_robot_are_one_line_each(tmp_path: Path) -> None:
 
 def test_a_robot_of_one_joint_has_a_document(tmp_path: Path) -> None:
     """Its Jacobian comes as a vector, on which the document once failed."""
-    (joint,) = pendulum(tmp_path).to_dict()["joints"]
+    document = pendulum(tmp_path).to_dict()
+    (joint,) = document["joints"]
+    assert len(document["frames"]) == 2  # links; the frame of the joint is none
     assert joint["axis"] == [0.0, 1.0, 0.0]
     assert joint["origin"] == [0.0, 0.0, 1.0]

@@ -357,6 +357,14 @@ def test_limits_of_version_1_2_and_vendors(tmp_path: Path) -> None:
     foreign = replaced('name="arm"', 'name="arm" xmlns:drake="http://drake.mit.edu"')
     foreign = replaced('velocity="3"', 'velocity="3" drake:acceleration="10"', foreign)
     assert load(tmp_path, foreign).limits.acceleration[0] == 10.0
+    other = load(tmp_path, foreign.replace("drake:acceleration", "drake:effort"))  # no limit that the format lacked
+    assert other.limits.effort[0] == 50.0
+    assert "URDF attributes not used: <limit drake:effort>" in other.notes
+    elsewhere = load(
+        tmp_path, foreign.replace("<axis ", '<axis drake:jerk="x" ').replace(" drake:acceleration", " jerk")
+    )
+    assert elsewhere.limits.jerk[0] == 10.0
+    assert "URDF attributes not used: <axis drake:jerk>" in elsewhere.notes
 
 
 def test_a_misspelt_soft_limit_stops_nothing(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from helpers.duty import paper_motion
 
 import puma_septic as ps
 from puma_septic.limit_check import LimitCheck
-from puma_septic.sizing._brake import holding_torque, stop_energy
+from puma_septic.sizing._brake import _stopped, holding_torque, stop_energy
 from puma_septic.sizing._checks import NotAssessed
 from puma_septic.task import ConditionsSection
 
@@ -186,6 +186,20 @@ def test_the_brake_holds_the_heaviest_posture() -> None:
     torque, time = holding_torque(load, 80.0)
     assert torque == pytest.approx(np.abs(load.gravity(t)).max() / 80, rel=1e-6)
     assert abs(load.gravity(time)[0]) / 80 == pytest.approx(torque, rel=1e-9)
+
+
+def test_a_stop_has_the_breaks_of_the_motion_that_it_passes() -> None:
+    """Slowing down evenly, it passes the motion's instant t0 + s after t with s = t - t^2 / 2T."""
+    points = np.array([[0.0, 0.0], [0.4, -0.3], [0.2, 0.1]])
+    moving = ps.profiles.trapezoidal(points, [5.0, 5.4, 5.8], blend_time=0.06)
+    instant, stop_time = float(moving.breaks[1]) + 0.01, 0.9
+    stop = _stopped(moving, instant, stop_time)
+    t = stop.breaks[1:-1]
+    passed = instant + t - t**2 / (2 * stop_time)
+    expected = moving.breaks[(moving.breaks > instant) & (moving.breaks < instant + stop_time / 2)]
+    assert len(expected) > 1
+    np.testing.assert_allclose(passed, expected, rtol=1e-12)
+    np.testing.assert_allclose(stop(t), moving(expected), rtol=0, atol=1e-12)
 
 
 def test_energy_of_a_stop_as_makers_count_it() -> None:

@@ -11,6 +11,7 @@ import pinocchio as pin
 
 from puma_septic.dynamics import check_inertia, check_plain_friction, check_uncoupled, rigid_torque
 from puma_septic.errors import InputError
+from puma_septic.limits._demands import values_beside
 from puma_septic.motion import Motion
 from puma_septic.piecewise import Piecewise
 from puma_septic.piecewise.combinations import Combinations
@@ -157,7 +158,7 @@ def torque_uncertainty(
     draws = checked_rng(rng)
     drawn = nominal + draws.uniform(-1, 1, (samples, len(width))) * width
     quantiles = np.quantile(whole.peaks(drawn)[0], _LEVELS, axis=0)
-    at_peak = np.array([[part(t)[j] for part in parts] for j, t in enumerate(peak[1])])
+    at_peak = np.array([_row(parts, j, t, nominal) for j, t in enumerate(peak[1].tolist())])
     least = np.maximum(np.abs(at_peak @ nominal) - np.abs(at_peak) @ width, 0.0)
     return TorqueUncertainty(
         motion=motion,
@@ -253,16 +254,21 @@ def _greatest(
 def _climbed(
     parts: Sequence[Piecewise], whole: Combinations, nominal: Array, width: Array, j: int, t: float
 ) -> tuple[float, float, Array]:
-    size, added = 0.0, np.zeros(len(width))
+    size, row = 0.0, _row(parts, j, t, nominal)
     for _ in range(_MOST_ROUNDS):
-        row = np.array([part(t)[j] for part in parts])
         corner = nominal + np.where(row >= 0, 1.0, -1.0) * width * np.sign(row @ nominal or 1.0)
         peaks, times = whole.peaks(corner[None])
         if not peaks[0, j] > size * (1 + 1e-13):
             break
         size, t = float(peaks[0, j]), float(times[0, j])
-        added = np.abs(np.array([part(t)[j] for part in parts])) * width
-    return size, t, added
+        row = _row(parts, j, t, corner)
+    return size, t, np.abs(row) * width
+
+
+def _row(parts: Sequence[Piecewise], j: int, t: float, weights: Array) -> Array:
+    """What 1 of each parameter adds to the torque of joint j at an instant, where it steps on the side of the peak."""
+    sides = np.stack([values_beside(part, np.array([t]))[:, j] for part in parts], axis=1)
+    return np.asarray(sides[np.abs(sides @ weights).argmax()])
 
 
 def _instants(function: Piecewise) -> Array:

@@ -69,6 +69,22 @@ def test_no_draw_exceeds_the_box_and_a_corner_attains_it(puma: ps.Robot, rng: np
     assert alone.greatest == pytest.approx(dense, rel=1e-3)
 
 
+@pytest.mark.parametrize("start", [0.0, 100.0])
+def test_a_peak_at_a_step_is_told_by_the_side_that_has_it(rod: ps.Robot, start: float) -> None:
+    """Bug: the least peak and the shares were read behind the step at which a bang-bang motion's torque is largest.
+
+    Up to the step gravity and inertia add up, behind it they oppose each other. By hand: m g c cos q + (I + m c^2) a
+    with I + m c^2 = 0.6 kg m^2 just before the middle, where q = 0.
+    """
+    move = ps.profiles.bang_bang([[-0.5], [0.5]], [start, start + 1.0])
+    doubt = ps.torque_uncertainty(ps.compute_motion(rod, move), inertia=0.1)
+    assert doubt.nominal[0] == pytest.approx(9.81 + 0.6 * 4.0)
+    assert doubt.shares[0].sum() == pytest.approx(0.06 * 4.0)
+    assert doubt.least[0] == pytest.approx(9.81 + 0.54 * 4.0)
+    assert doubt.greatest[0] == pytest.approx(9.81 + 0.66 * 4.0)
+    assert doubt.time[0] == pytest.approx(start + 0.5)
+
+
 def test_messages(rod: ps.Robot) -> None:
     motion = ps.compute_motion(rod, ps.quintic_segments([[-0.5], [0.5]], [0.0, 10.0]))
     with pytest.raises(ps.InputError, match="give at least one tolerance above 0"):

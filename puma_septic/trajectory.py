@@ -198,6 +198,15 @@ class Trajectory:
         """The same motion as part of a longer one: the arm need not be at rest before it and after it."""
         return replace(self, rest_before=False, rest_after=False)
 
+    def shifted(self, seconds: float) -> Trajectory:
+        """The same motion, later by a number of seconds.
+
+        Returns
+        -------
+        Trajectory
+        """
+        return replace(self, position=self.position.shifted(seconds), times=self.times + float(seconds))
+
     def stretched(self, factor: float) -> Trajectory:
         """The same motion, `factor` times as long, from the same instant; what is searched already is taken along.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, final
 
 import numpy as np
@@ -216,7 +216,7 @@ def least_time(
     points : array_like, shape (k, n_joints)
         At least two, rad (m for prismatic joints); without a robot, any unit that the limits share will do.
     times : array_like, shape (k,) or ()
-        Proportions to begin with, or 1.
+        Proportions to begin with, or 1. The motion begins at the first of them, s, or at 0.
     robot : Robot, optional
         Whose limits are kept; needed for effort and position.
     keep : sequence of str, optional
@@ -260,7 +260,8 @@ def least_time(
     """
     quantities = _respected(robot, keep)
     check_cell(robot, floor, tool_limits)
-    total = 1.0 if n_dimensions(times) == 0 else _shares(checked_times("times", times))
+    given = np.zeros(1) if n_dimensions(times) == 0 else checked_times("times", times)
+    begin, total = float(given[0]), 1.0 if n_dimensions(times) == 0 else _shares(given)
     untimed = [name for name in quantities if name == "position"]
     setting = checked_setting(
         make,
@@ -289,6 +290,9 @@ def least_time(
     starts = random_starts(setting.variables, setting.first(), count, seed)
     start = race.start(starts[0])
     candidate, ends, found = _raced(race, starts, progress)
+    if begin:
+        start = start and start.shifted(begin)
+        candidate = replace(candidate, trajectory=candidate.trajectory.shifted(begin))
     verdict = verdict_of(candidate, quantities)
     if verdict is not None and verdict.failures:
         raise _nothing_keeps(race, candidate, str(verdict.failures[0]))
@@ -304,8 +308,8 @@ def least_time(
 
 
 def _shares(times: Array) -> Array:
-    """Times in a total of 1; a single one, which `checked_setting` refuses, as it is."""
-    return times / float(np.ptp(times)) if len(times) > 1 else times
+    """Times from 0 to 1; a single one, which `checked_setting` refuses, as it is."""
+    return (times - times[0]) / float(np.ptp(times)) if len(times) > 1 else times
 
 
 def _respected(robot: Robot | None, keep: Sequence[str] | None) -> tuple[str, ...]:

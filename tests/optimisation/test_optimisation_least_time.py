@@ -55,6 +55,22 @@ def test_effort_is_held_by_default(puma: ps.Robot) -> None:
     assert max(map(len, str(result).splitlines())) <= 100
 
 
+def test_the_motion_begins_at_the_first_time(puma: ps.Robot) -> None:
+    """Bug: of times that begin at 100 s the first was scaled with the rest, and the least time began at 56 s."""
+    given = np.array(HEAVY_TIMES)
+    one, late = (
+        ps.least_time(ps.profiles.cubic_spline_free_knots, HEAVY, times, robot=puma, free=["free_knots"], restarts=0)
+        for times in (given, given + 100.0)
+    )
+    assert one.start is not None
+    assert late.start is not None
+    np.testing.assert_allclose(late.trajectory.times, one.trajectory.times + 100.0, rtol=1e-9)
+    np.testing.assert_allclose(late.trajectory.breaks, one.trajectory.breaks + 100.0, rtol=1e-9)
+    np.testing.assert_allclose(late.start.times, one.start.times + 100.0, rtol=1e-9)
+    assert late.verdict is not None
+    assert min(check.time for check in late.verdict.checks) >= 100.0
+
+
 def test_limits_that_are_not_respected_make_it_infeasible_and_are_named(puma: ps.Robot) -> None:
     result = ps.least_time(ps.septic, HEAVY, HEAVY_TIMES, robot=loaded(puma, 2.5), keep=["velocity"], restarts=0)
     assert not result.is_feasible

@@ -100,7 +100,7 @@ def select_consistent(
     masses, notes = np.zeros(n), [f"masses of the chosen drives on the link {_WORDS[placement]} each joint"]
     joints: dict[int, JointSelection] = {}
     loaded = _loaded(cases, masses - own, placement)
-    for j in reversed(range(n)):
+    for j in _from_the_tip(cases[0].cycle.robot):
         seen: list[float] = []
         for _ in range(_MOST_ROUNDS):
             joints[j] = select_joint(
@@ -131,6 +131,14 @@ def select_consistent(
     added = np.array([_mass(one) for one in found.joints]) - own
     told = "masses added: " + ", ".join(f"{mass:g}" for mass in added.tolist()) + " kg"
     return replace(found, notes=(*found.notes, told))
+
+
+def _from_the_tip(robot: Robot) -> list[int]:
+    """Joints, each after all that it carries, whatever order the URDF's text has them in.
+
+    Pinocchio counts a joint behind those that carry it.
+    """
+    return sorted(range(robot.n_joints), key=lambda j: -int(robot.model.getJointId(robot.joint_names[j])))
 
 
 def _with_common_sizes(

@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
-from helpers.urdf_texts import load
+from helpers.urdf_texts import ARM, load
 
 import puma_septic as ps
 from puma_septic.sizing import LoadCase
@@ -206,6 +206,28 @@ def test_the_elbow_s_drive_loads_the_shoulder_with_its_mass(placement: str, told
     light = ps.size(cases(), catalogue=catalogue(), masses=placement, own_masses=[1.0, 1.0])
     added = [one.best.mass - 1.0 for one in light.joints]
     assert light.notes[-1] == f"masses added: {added[0]:g}, {added[1]:g} kg"
+
+
+def test_a_joint_is_chosen_after_all_that_it_carries_whatever_the_text_says(tmp_path: Path) -> None:
+    """Bug: drives were chosen from the last joint of the URDF's text to the first.
+
+    Where the text has the elbow before the shoulder, the shoulder was chosen without the elbow's drive, and shown as
+    strong enough although the sizing beside it was not.
+    """
+    places = [ARM.index(mark) for mark in ('  <joint name="shoulder"', '  <joint name="elbow"', '  <joint name="mount"')]
+    shoulder, elbow = ARM[places[0] : places[1]], ARM[places[1] : places[2]]
+    swapped = load(tmp_path, ARM.replace(shoulder + elbow, elbow + shoulder), tool="tip")
+    assert swapped.joint_names == ("elbow", "shoulder")
+    out = ps.quintic_segments([[0.1, 0.2], [0.3, 1.4]], [0.0, 1.0], joint_names=swapped.joint_names)
+    back_and_forth = ps.cycle.with_return(ps.compute_motion(swapped, out))
+    found = ps.size(back_and_forth, catalogue=catalogue(), masses="before")
+    given = ps.size(moved(arm(), 1.0), catalogue=catalogue(), masses="before")
+    for name in JOINTS:
+        one, other = found.joint(name).best, given.joint(name).best
+        assert one is not None
+        assert other is not None
+        assert (one.motor, one.gearbox) == (other.motor, other.gearbox)
+        assert one.stress == pytest.approx(other.stress, rel=1e-9)
 
 
 # ---- one sizing of several load cases

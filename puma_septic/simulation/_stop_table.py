@@ -17,7 +17,7 @@ from scipy.optimize import minimize
 from puma_septic.document import SCHEMAS, one_line, plain
 from puma_septic.dynamics import check_inertia
 from puma_septic.errors import InputError
-from puma_septic.kinematics import forward_kinematics
+from puma_septic.kinematics import chain_to, forward_kinematics
 from puma_septic.robot import Payload, Robot
 from puma_septic.simulation._stop import CATEGORIES, NOT_A_SAFETY_FUNCTION, checked_brakes, known_limits
 from puma_septic.simulation._stop_categories import Path, brake, slow_down
@@ -37,6 +37,8 @@ FRACTIONS: Final = (0.33, 0.66, 1.0)
 """Of speed, extension and load, as ISO 10218-1, Annex B has them."""
 
 _STARTS: Final = 6
+# What the search leaves of a reach.
+_AS_FAR: Final = 1e-6
 _MARGIN: Final = 5e-4
 
 
@@ -74,7 +76,7 @@ class StopTable:
     full_speed : ndarray, shape (k,)
         Of each of the joints, rad/s (m/s).
     reach : float
-        Largest horizontal distance of the tool from the first axis, m.
+        Largest distance of the tool from the first axis that carries it, m.
     postures : ndarray, shape (n_extensions, n_joints)
         The arm at each extension, rad (m).
     rows : tuple of StopRow
@@ -160,7 +162,8 @@ def stop_table(
     """Stopping times and angles of single joints by speed, extension and load (ISO 10218-1, Annex B).
 
     Each joint moves alone at a share of its speed limit, in the worse of both directions, while all others hold. Full
-    extension is the largest horizontal distance of the tool from the first axis; for less, the third joint is bent.
+    extension is the largest distance of the tool from the first axis that carries it, wherever the arm stands; for
+    less, the third joint from the base is bent.
 
     Parameters
     ----------
@@ -171,7 +174,7 @@ def stop_table(
     category, brake_torque, reaction_time
         As of `puma_septic.simulation.stop`.
     joints : sequence of str, optional
-        By default the first three.
+        By default the first three that carry the tool, from the base.
     speed : array_like, shape () or (k,), optional
         Full speed of each of them, rad/s (m/s); by default their limits.
     fractions : sequence of float
@@ -186,7 +189,8 @@ def stop_table(
     InputError
         For joints without a speed or torque limit, brakes without data, or fractions that are not from 0 to 1.
     """
-    names = tuple(robot.joint_names[:3] if joints is None else joints)
+    first = [robot.joint_names[column] for column in chain_to(robot).driving[:3]]
+    names = tuple(first if joints is None else joints)
     moving = np.array([robot.joint_index(name) for name in names])
     full = _full_speed(robot, names, moving, speed)
     shares = checked_array("fractions", fractions, (None,), above=0.0, at_most=1.0)
@@ -240,7 +244,7 @@ def _rows(
 
 
 def extended_postures(robot: Robot, fractions: Array) -> tuple[float, Array]:
-    """The largest horizontal reach of the tool from the first axis, and a posture at each share of it.
+    """The largest reach of the tool from the first axis that carries it, and a posture at each share of it.
 
     The full one by a search from several starts; the others by bending the third joint until the reach fits.
 
@@ -251,14 +255,19 @@ def extended_postures(robot: Robot, fractions: Array) -> tuple[float, Array]:
     ndarray, shape (k, n_joints)
         rad (m).
     """
-    n = robot.n_joints
-    if n < 3:
-        raise InputError(f"a table of extensions needs an arm with at least 3 joints, robot {robot.name!r} has {n}")
+    n, chain = robot.n_joints, chain_to(robot)
+    if len(chain.driving) < 3:
+        raise InputError(
+            f"a table of extensions needs a tool that at least 3 joints carry; {robot.tool!r} of robot {robot.name!r}"
+            f" is carried by {len(chain.driving)}"
+        )
+    third = int(chain.driving[2])
     low, high = _range(robot)
+    axis, origin = chain.placements[0][:3, 2], chain.placements[0][:3, 3]
 
     def reach_of(q: Array) -> Array:
         place = forward_kinematics(robot, q)[:, :3, 3]
-        return np.asarray(np.hypot(place[:, 0], place[:, 1]))
+        return np.asarray(np.linalg.norm(np.cross(place - origin, axis), axis=1))
 
     rng = np.random.default_rng(10218)
     starts = [np.clip(np.zeros(n), low, high), *rng.uniform(low, high, (_STARTS, n))]
@@ -266,15 +275,17 @@ def extended_postures(robot: Robot, fractions: Array) -> tuple[float, Array]:
     found = [
         minimize(lambda q: -float(reach_of(q[None])[0]), start, method="L-BFGS-B", bounds=bounds) for start in starts
     ]
-    full = min(found, key=lambda one: float(one.fun)).x
+    # Of postures that reach as far the first, so that rounding does not choose.
+    least = min(float(one.fun) for one in found)
+    full = next(one.x for one in found if float(one.fun) <= least + _AS_FAR * abs(least))
     reach = float(reach_of(full[None])[0])
-    bends = np.linspace(low[2], high[2], 2001)
+    bends = np.linspace(low[third], high[third], 2001)
     bent = np.tile(full, (len(bends), 1))
-    bent[:, 2] = bends
+    bent[:, third] = bends
     distance = reach_of(bent)
-    nearest = [_nearest(bends, distance, float(share * reach), float(full[2])) for share in fractions]
+    nearest = [_nearest(bends, distance, float(share * reach), float(full[third])) for share in fractions]
     postures = np.tile(full, (len(fractions), 1))
-    postures[:, 2] = np.where(np.asarray(fractions) >= 1, full[2], nearest)
+    postures[:, third] = np.where(np.asarray(fractions) >= 1, full[third], nearest)
     return reach, read_only(postures)
 
 

@@ -177,6 +177,42 @@ def test_the_table_of_annex_b(puma: ps.Robot) -> None:
     assert table.to_csv().splitlines()[0] == "joint,speed,extension,load,duration,angle,others"
 
 
+def three_joints(folder: Path, name: str, *, place: str = "0 0 0", tip_first: bool = False) -> ps.Robot:
+    """A turning base, a shoulder and an elbow 1 m apart, somewhere."""
+    size = 0.1 * np.eye(3)
+    joints = [
+        joint("turn", "revolute", "base", "column", [0, 0, 0.5], [0, 0, 1]),
+        joint("shoulder", "revolute", "column", "upper", [0, 0, 0], [0, 1, 0]),
+        joint("elbow", "revolute", "upper", "fore", [1, 0, 0], [0, 1, 0]),
+    ]
+    links = [link(one, 5.0, [0.5, 0, 0], size) for one in ("column", "upper", "fore")]
+    stands = f'''<link name="world"/><link name="base"/><link name="tip"/>
+    <joint name="stand" type="fixed"><parent link="world"/><child link="base"/><origin xyz="{place}"/></joint>
+    <joint name="end" type="fixed"><parent link="fore"/><child link="tip"/><origin xyz="0.8 0 0"/></joint>'''
+    return load(folder, name, "".join([*links, *(joints[::-1] if tip_first else joints), stands]), tool="tip")
+
+
+def test_a_table_knows_the_arm_from_its_base_wherever_it_stands_in_world_and_text(tmp_path: Path) -> None:
+    """Bug: reach was measured from the world's z axis, and the joints counted in the order of the URDF's text.
+
+    On a stand 2 m beside that axis a reach of 1.8 m became 3.8 m, with other postures for a share of it; where the text
+    has the wrist first, that was bent, and the table was one of its stops.
+    """
+    one = stop_table(three_joints(tmp_path, "one"), load=1.0)
+    assert one.reach == pytest.approx(1.8, rel=1e-6)
+    beside = stop_table(three_joints(tmp_path, "beside", place="0 2 0"), load=1.0)
+    other = stop_table(three_joints(tmp_path, "other", tip_first=True), load=1.0)
+    assert other.robot.joint_names == ("elbow", "shoulder", "turn")
+    for table in (beside, other):
+        assert table.reach == pytest.approx(one.reach, rel=1e-6)
+        assert table.joints == ("turn", "shoulder", "elbow")
+    bends = [np.abs(np.sin(table.postures[:, k])) for table, k in ((one, 2), (beside, 2), (other, 0))]
+    np.testing.assert_allclose(bends[1:], [bends[0]] * 2, atol=1e-3)
+    # Without gravity's help or hindrance: a joint about the vertical, whichever way the elbow is bent.
+    base = [[row.angle for row in table.rows if row.joint == "turn"] for table in (one, beside, other)]
+    np.testing.assert_allclose(base[1:], [base[0]] * 2, rtol=1e-3)
+
+
 def test_bad_input(puma: ps.Robot, tmp_path: Path) -> None:
     motion = quick_motion()
     nobody = puma.with_limits(effort=[np.nan, 97.0, 52.0, 10.0, 10.0, 10.0])
@@ -207,7 +243,7 @@ def test_bad_input(puma: ps.Robot, tmp_path: Path) -> None:
         (lambda: stop_table(puma, load=1.0, joints=["elbow"]), r"unknown joint 'elbow'"),
         (
             lambda: stop_table(wheel(tmp_path), load=1.0, brake_torque=50.0),
-            r"a table of extensions needs an arm with at least 3 joints, robot 'wheel' has 1",
+            r"a table of extensions needs a tool that at least 3 joints carry; '.*' of robot 'wheel' is carried by 1",
         ),
     ):
         with pytest.raises(ps.InputError, match=message):

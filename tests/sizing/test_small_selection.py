@@ -214,7 +214,9 @@ def test_a_joint_is_chosen_after_all_that_it_carries_whatever_the_text_says(tmp_
     Where the text has the elbow before the shoulder, the shoulder was chosen without the elbow's drive, and shown as
     strong enough although the sizing beside it was not.
     """
-    places = [ARM.index(mark) for mark in ('  <joint name="shoulder"', '  <joint name="elbow"', '  <joint name="mount"')]
+    places = [
+        ARM.index(mark) for mark in ('  <joint name="shoulder"', '  <joint name="elbow"', '  <joint name="mount"')
+    ]
     shoulder, elbow = ARM[places[0] : places[1]], ARM[places[1] : places[2]]
     swapped = load(tmp_path, ARM.replace(shoulder + elbow, elbow + shoulder), tool="tip")
     assert swapped.joint_names == ("elbow", "shoulder")

@@ -124,7 +124,7 @@ class ToolMetrics:
     peak_acceleration, peak_acceleration_time : float
         m/s^2 and s; infinite where a joint velocity steps.
     height_range : tuple of float
-        Least and greatest z, m.
+        Least and greatest height above the world's origin, against gravity, m.
     height_times : tuple of float
         When, s.
     singularities : tuple of SingularityReport
@@ -149,7 +149,7 @@ def tool_metrics(motion: Motion) -> ToolMetrics:
         q, v, a = (state[:, k * n : (k + 1) * n] for k in range(3))
         tool = tool_motion(robot, q, v, a)
         squares = [(vector**2).sum(axis=1) for vector in (tool.velocity, tool.acceleration)]
-        return np.column_stack([tool.position[:, 2], *squares, singularity_distances(robot, q)])
+        return np.column_stack([heights(robot, q)[:, -1], *squares, singularity_distances(robot, q)])
 
     series = trajectory.state.mapped(measures)
     extrema = series.extrema()

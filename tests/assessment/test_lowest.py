@@ -118,3 +118,16 @@ def test_a_tasks_floor_holds_along_its_motion() -> None:
         held.motion.robot, held.motion.trajectory.points, [0, 1, 2], profiles=["quintic_segments"], floor=held.floor
     )
     assert "below the floor" in comparison.to_dict()["profiles"][0]["violations"][0]
+
+
+def test_the_tool_s_height_is_against_gravity_as_is_that_of_all_parts() -> None:
+    """Bug: of an arm that hangs from the ceiling the tool's height range was that of z, with the opposite sign."""
+    move = ps.quintic_segments([[0.0, 0.6, -2.2, 0.0, 0.3, 0.0], [0.4, 1.2, -2.6, 0.2, 0.6, 0.1]], [0.0, 1.0])
+    standing, hanging, on_a_wall = (
+        ps.assess(ps.load_robot(gravity=gravity), move).tool.height_range
+        for gravity in ((0.0, 0.0, -9.81), (0.0, 0.0, 9.81), (9.81, 0.0, 0.0))
+    )
+    places = ps.forward_kinematics(ps.load_robot(), move(np.linspace(0.0, 1.0, 1001)))[:, :3, 3]
+    assert standing == pytest.approx((places[:, 2].min(), places[:, 2].max()), abs=1e-5)
+    assert hanging == pytest.approx((-standing[1], -standing[0]))
+    assert on_a_wall == pytest.approx((-places[:, 0].max(), -places[:, 0].min()), abs=1e-5)

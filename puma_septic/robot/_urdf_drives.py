@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from math import isnan, nan
 from typing import Final
 
@@ -12,6 +12,7 @@ import numpy as np
 from puma_septic.drives import Drivetrain, Gearbox, Motor
 from puma_septic.friction import Friction
 from puma_septic.robot._components import Limits
+from puma_septic.robot._mimic import Mimic
 from puma_septic.robot._urdf_checks import Urdf
 from puma_septic.robot._urdf_schema import NUMBER
 from puma_septic.robot._urdf_text import Finding
@@ -106,6 +107,10 @@ SOFT: Final = "soft"
 """The set of limits that takes positions from the safety controllers."""
 
 _GIVEN: Final = ("velocity", "effort", "acceleration", "jerk")
+# Those that a joint shares with the joints that mimic it; the effort of all is its own motor's.
+_FOLLOWED: Final = ("velocity", "acceleration", "jerk")
+# Limits that differ by less than this part are one.
+_SAME: Final = 1e-9
 # Quantities that the format asks for, so that their absence is told joint by joint.
 _ASKED: Final = ("velocity", "effort")
 
@@ -142,6 +147,10 @@ def urdf_limits(urdf: Urdf, moving: Sequence[str], known_ranges: Collection[str]
     position = np.array([position_range(joint) for joint in joints])
     position[position[:, 0] > position[:, 1]] = np.nan
     values = {name: np.array([_magnitude(joint, name) for joint in joints]) for name in _GIVEN}
+    followers = [
+        *_followed_ranges(urdf, moving, position),
+        *(note for name in _FOLLOWED for note in _followed_magnitudes(urdf, moving, name, values[name])),
+    ]
     notes = [
         note
         for name, joint, bounds in zip(moving, joints, position, strict=True)
@@ -149,7 +158,7 @@ def urdf_limits(urdf: Urdf, moving: Sequence[str], known_ranges: Collection[str]
     ]
     lacking = [name for name in ("acceleration", "jerk") if np.isnan(values[name]).all()]
     source = urdf.text.path.name + (f": no {' or '.join(lacking)} limits in it" if lacking else "")
-    return Limits(position=position, source=source, **values), tuple(notes)
+    return Limits(position=position, source=source, **values), (*notes, *followers)
 
 
 def soft_positions(urdf: Urdf, moving: Sequence[str], position: Array) -> Array:
@@ -158,7 +167,51 @@ def soft_positions(urdf: Urdf, moving: Sequence[str], position: Array) -> Array:
     for j, name in enumerate(moving):
         soft = _soft_range(urdf.joints[name].element)
         result[j] = np.where(np.isnan(soft), result[j], soft)
+    _followed_ranges(urdf, moving, result)
     return result
+
+
+def _followers(urdf: Urdf, moving: Sequence[str]) -> Iterator[tuple[int, str, Mimic]]:
+    """Index of the joint that is followed, and each joint that mimics it and moves."""
+    for name, mimic in urdf.mimics.items():
+        if mimic.master in moving and mimic.multiplier:
+            yield moving.index(mimic.master), name, mimic
+
+
+def _followed_ranges(urdf: Urdf, moving: Sequence[str], position: Array) -> list[str]:
+    """Narrow the position limits of joints to those within which all that mimic them keep their own, and say so.
+
+    Limits that leave nothing are a slip of the exporter, such as those of the other finger with the wrong sign.
+    """
+    notes = []
+    for j, name, mimic in _followers(urdf, moving):
+        own = (np.array(position_range(urdf.joints[name].element)) - mimic.offset) / mimic.multiplier
+        low, high = (own if mimic.multiplier > 0 else own[::-1]).tolist()
+        slack = _SAME * np.abs(position[j]).max()
+        lower, upper = position[j].tolist()
+        if low > lower + slack or high < upper - slack:
+            bounds = np.fmax(low, lower), np.fmin(high, upper)
+            if bounds[0] < bounds[1]:
+                position[j] = bounds
+                told = f"its range is {bounds[0]:.6g} to {bounds[1]:.6g}, in which that joint keeps its own"
+            else:
+                told = "the position limits of that joint leave it no range and are not used"
+            notes.append(f"joint {mimic.master!r} is followed by {name!r}: {told}")
+    return notes
+
+
+def _followed_magnitudes(urdf: Urdf, moving: Sequence[str], quantity: str, limit: Array) -> list[str]:
+    """Lower a limit of joints to that at which all that mimic them keep their own, and say so."""
+    notes = []
+    for j, name, mimic in _followers(urdf, moving):
+        own = _magnitude(urdf.joints[name].element, quantity) / abs(mimic.multiplier)
+        if own < limit[j] * (1 - _SAME):
+            limit[j] = own
+            notes.append(
+                f"joint {mimic.master!r} is followed by {name!r}: its {quantity} limit is {own:.6g}, at which that"
+                " joint keeps its own"
+            )
+    return notes
 
 
 def _magnitude(joint: ET.Element, name: str) -> float:

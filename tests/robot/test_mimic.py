@@ -270,3 +270,50 @@ def test_certified_bounds_refuse_what_they_do_not_know(tmp_path: Path) -> None:
         ps.worst_holding_torque(robot)
     with pytest.raises(ps.InputError, match="bound of accelerations does not know joints that mimic another one"):
         ps.acceleration_limits(robot)
+
+
+def with_limits(text: str, lower: float, upper: float, velocity: float) -> str:
+    return text.replace('lower="-4" upper="4" velocity="20"', f'lower="{lower}" upper="{upper}" velocity="{velocity}"')
+
+
+def fingers(multiplier: float, offset: float, lower: float, upper: float, velocity: float) -> str:
+    """A slide of -4 to 4 m at up to 20 m/s, and one that follows it with limits of its own."""
+    tip = joint("two", "prismatic", "hand", "b", [0, -0.1, 0], [0, 1, 0])
+    return (
+        '<link name="hand"/>'
+        + link("a", 0.2, [0, 0, 0.1], 1e-3 * np.eye(3))
+        + link("b", 0.2, [0, 0, 0.1], 1e-3 * np.eye(3))
+        + joint("one", "prismatic", "hand", "a", [0, 0.1, 0], [0, 1, 0])
+        + mimicking(with_limits(tip, lower, upper, velocity), "one", multiplier=multiplier, offset=offset)
+    )
+
+
+def test_a_joint_keeps_the_limits_of_those_that_follow_it(tmp_path: Path) -> None:
+    """Bug: the limits of a joint that mimics another one were forgotten without a word.
+
+    two = 0.5 - 2 one within -1 and 2: one within -0.75 and 0.75; at 6 m/s of two one moves at 3 m/s.
+    """
+    arm = load(tmp_path, "mimic", fingers(-2.0, 0.5, -1.0, 2.0, 6.0), tool="a")
+    assert arm.limits.position.tolist() == [[-0.75, 0.75]]
+    assert arm.limits.velocity.tolist() == [3.0]
+    assert arm.limits.effort.tolist() == [500.0]
+    assert (
+        "joint 'one' is followed by 'two': its range is -0.75 to 0.75, in which that joint keeps its own" in arm.notes
+    )
+    assert "joint 'one' is followed by 'two': its velocity limit is 3, at which that joint keeps its own" in arm.notes
+    free = load(tmp_path, "both", fingers(-2.0, 0.5, -1.0, 2.0, 6.0).replace("<mimic", "<!-- <mimic").replace(
+        'offset="0.5"/>', 'offset="0.5"/> -->'), tool="a")  # fmt: skip
+    for end in (0.74, 0.76):
+        alone = ps.assess(arm, ps.quintic_segments([[0.0], [end]], [0.0, 1.0])).is_feasible
+        both = ps.assess(free, ps.quintic_segments([[0.0, 0.5], [end, 0.5 - 2 * end]], [0.0, 1.0])).is_feasible
+        assert alone == both == (end < 0.75)
+
+
+def test_limits_of_a_follower_that_leave_nothing_are_told_and_not_used(tmp_path: Path) -> None:
+    """As in the gripper of the PR2: the other finger mirrors the first, and has its range without the sign."""
+    arm = load(tmp_path, "mimic", fingers(-1.0, 0.0, 0.0, 4.0, 50.0).replace('lower="-4"', 'lower="0"'), tool="a")
+    assert arm.limits.position.tolist() == [[0.0, 4.0]]
+    assert arm.limits.velocity.tolist() == [20.0]
+    assert any("the position limits of that joint leave it no range and are not used" in note for note in arm.notes)
+    wide = load(tmp_path, "wide", fingers(-1.0, 0.0, -4.0, 4.0, 20.0), tool="a")
+    assert not any("followed" in note for note in wide.notes)

@@ -89,8 +89,7 @@ def together(functions: Sequence[Piecewise], *, detail: float = 1.0) -> tuple[Ar
 
 
 def _sampled(functions: Sequence[Piecewise], detail: float) -> tuple[Array, Array]:
-    breaks = np.unique(np.concatenate([function.breaks for function in functions]))
-    joined = Piecewise.concatenate([function.split(breaks) for function in functions])
+    joined = Piecewise.joined(functions)
     least = min(_LEAST, max(2, _MOST // len(joined.lengths)))
     return sampled(joined, samples=round(detail * _SAMPLES), least=round(detail * least))
 

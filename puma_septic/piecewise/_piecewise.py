@@ -5,7 +5,7 @@ from __future__ import annotations
 import reprlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from functools import partial, reduce
 from typing import ClassVar, final
 
 import numpy as np
@@ -198,10 +198,17 @@ class Piecewise:
         return functions[0]._with(np.concatenate([_padded(f, degree) for f in functions], axis=2))
 
     @classmethod
+    def joined(cls, functions: Sequence[Piecewise]) -> Piecewise:
+        """`concatenate`, of functions of one span that have breaks of their own."""
+        whole = reduce(Piecewise.aligned_with, functions)
+        return cls.concatenate([f.aligned_with(whole) for f in functions])
+
+    @classmethod
     def constant(cls, values: ArrayLike, duration: float, *, start: float = 0.0) -> Piecewise:
         """The function that has the values, shape (m,), all the time."""
         values = _checked("values", values, (None,))
-        return cls(breaks=np.array([start, start + duration]), coefficients=values[None, None])
+        # Not by start + duration, which a late start rounds.
+        return cls(breaks=np.array([0.0, duration]), coefficients=values[None, None]).shifted(start)
 
     @classmethod
     def sequence(cls, functions: Sequence[Piecewise]) -> Piecewise:
@@ -428,9 +435,10 @@ class Piecewise:
 
     def split(self, times: ArrayLike) -> Piecewise:
         """The same function with further breaks; times outside the span or at a break change nothing."""
-        return self._split_offsets(
-            [_checked("times", times, () if n_dimensions(times) == 0 else (None,), unit="s").ravel() - self.start]
-        )
+        flat = _checked("times", times, () if n_dimensions(times) == 0 else (None,), unit="s").ravel()
+        if self.start:  # its breaks are rounded, and no new ones beside themselves
+            flat = flat[~np.isin(flat, self.breaks)]
+        return self._split_offsets([flat - self.start])
 
     def _split_offsets(self, offsets: Sequence[Array]) -> Piecewise:
         """`split`, at times from the start."""

@@ -66,9 +66,7 @@ def samples_csv(assessment: Assessment) -> str:
     empty.
     """
     robot = assessment.motion.robot
-    signals = [assessment.motion.signal(signal.name) for signal in _SIGNALS]
-    breaks = np.unique(np.concatenate([signal.breaks for signal in signals]))
-    series = Piecewise.concatenate([signal.split(breaks) for signal in signals])
+    series = Piecewise.joined([assessment.motion.signal(signal.name) for signal in _SIGNALS])
     headers = [
         f"{signal.label} {name} [{signal.unit(slides)}]"
         for signal in _SIGNALS

@@ -145,10 +145,13 @@ def message_of(
         checked_kind("effort", effort, Piecewise)
     if len(names) != trajectory.n_joints:
         raise InputError(f"joint_names: {len(names)} names for {trajectory.n_joints} joints; a message needs each")
-    fields, times = _fields(trajectory), trajectory.breaks
+    # On a clock that begins at 0, as the message's does: a late one rounds its times.
+    begin = float(trajectory.breaks[0])
+    trajectory = trajectory.shifted(-begin)
+    fields, times = _fields(trajectory, begin), trajectory.breaks
     if _degree(trajectory) > 2 * fields - 1:
         times = _divided(trajectory, fields, allowed)
-    nanoseconds = np.round((times - times[0]) * _NS).astype(np.int64)
+    nanoseconds = np.round(times * _NS).astype(np.int64)
     if (np.diff(nanoseconds) <= 0).any():
         k = int(np.argmin(np.diff(nanoseconds)))
         raise InputError(f"points at {times[k]:.12g} s and {times[k + 1]:.12g} s are one in the message's nanoseconds")
@@ -159,7 +162,7 @@ def message_of(
         positions=positions,
         velocities=velocities,
         accelerations=accelerations,
-        effort=np.full_like(positions, np.nan) if effort is None else effort(times),
+        effort=np.full_like(positions, np.nan) if effort is None else effort(begin + times),
     )
 
 
@@ -181,8 +184,8 @@ def _degree(trajectory: Trajectory) -> int:
     return trajectory.position.trimmed(_ROUNDING).degree
 
 
-def _fields(trajectory: Trajectory) -> int:
-    """How many of positions, velocities, accelerations the points need: 1, 2 or 3.
+def _fields(trajectory: Trajectory, begin: float) -> int:
+    """How many of positions, velocities, accelerations the points of a motion that begins at 0 need: 1, 2 or 3.
 
     A point has one velocity and one acceleration, so what steps inside the motion is not given.
     """
@@ -193,7 +196,7 @@ def _fields(trajectory: Trajectory) -> int:
     if inside[0]:
         steps = trajectory.jumps(1)
         raise InputError(
-            f"the velocity steps at t = {steps.times[0]:.9g} s and the motion is not made of straight lines: points"
+            f"the velocity steps at t = {begin + steps.times[0]:.9g} s and the motion is not made of straight lines: points"
             " with one velocity each do not say that"
         )
     return 2 if inside[1] or degree <= _CUBIC else 3

@@ -256,12 +256,12 @@ def worst_stop(
         durations, visited = made.durations, made.q
     else:
         reaction = checked_number("reaction_time", reaction_time or 0.0, unit="s", at_least=0.0)
-        begun = np.minimum(times + reaction, trajectory.breaks[-1])
+        begun = np.minimum(times - first + reaction, trajectory.duration)
         path = path_of(trajectory)
         slowing = slow_down(robot, path, begun, known_limits(robot) * (1 - _MARGINS[0]))
-        left = np.minimum(slowing.lengths.sum(axis=0), trajectory.breaks[-1] - begun)
+        left = np.minimum(slowing.lengths.sum(axis=0), trajectory.duration - begun)
         durations = np.where(slowing.is_possible, reaction + left, np.nan)
-        visited = np.array([path(s)[0] for s in [times, *slowing.s]])
+        visited = np.array([path(s)[0] for s in [times - first, *slowing.s]])
     distances = np.abs(visited - visited[0]).max(axis=0)
     distances[np.isnan(durations)] = np.nan
     return WorstStop(
@@ -314,17 +314,17 @@ def _braked(motion: Motion, t: float, torque: Array, reaction: float) -> Stop:
 def _controlled(motion: Motion, t: float, reaction: float) -> Stop:
     """As planned until the reaction time has passed, then down; the margin to the limits grows until they are held."""
     robot, trajectory = motion.robot, motion.trajectory
-    limits, end = known_limits(robot), float(trajectory.breaks[-1])
+    limits, (start, end) = known_limits(robot), trajectory.breaks[[0, -1]].tolist()
     begun = min(t + reaction, end)
     before = trajectory(np.linspace(t, begun, _PLACES)) if begun > t else trajectory(t)[None]
     times = np.linspace(0.0, begun - t, _PLACES) if begun > t else np.zeros(1)
     if begun == end or not np.abs(trajectory(begun, 1)).max() > 0:
         return _stop_of(motion, t, reaction, times, before, None)
     for margin in _MARGINS:
-        slowing = slow_down(robot, path_of(trajectory), np.array([begun]), limits * (1 - margin))
+        slowing = slow_down(robot, path_of(trajectory), np.array([begun - start]), limits * (1 - margin))
         if not slowing.is_possible[0]:
             break
-        if slowing.s[-1, 0] >= end:  # the motion ends before, as planned
+        if slowing.s[-1, 0] >= trajectory.duration:  # the motion ends before, as planned
             after = np.linspace(begun, end, _PLACES)[1:]
             times, q = np.concatenate([times, after - t]), np.concatenate([before, trajectory(after)])
             return _stop_of(motion, t, reaction, times, q, None)

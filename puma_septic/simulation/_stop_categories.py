@@ -110,11 +110,11 @@ class _Slowing(NamedTuple):
 
 
 def path_of(trajectory: Trajectory) -> Path:
-    """A planned motion as a path, its time as s; it stays where it ends."""
+    """A planned motion as a path, its time since its start as s; it stays where it ends."""
     n, duration = trajectory.n_joints, trajectory.duration
 
     def at(s: Array) -> tuple[Array, Array, Array]:
-        values = trajectory.state.at_offsets(np.clip(s - trajectory.breaks[0], 0.0, duration))
+        values = trajectory.state.at_offsets(np.clip(s, 0.0, duration))
         return values[:, :n], values[:, n : 2 * n], values[:, 2 * n : 3 * n]
 
     return at
@@ -168,10 +168,10 @@ def stopping_trajectory(trajectory: Trajectory, slowing: _Slowing, row: int, sta
     times = np.concatenate([[0.0], np.cumsum(lengths)])
     powers = np.stack([s[:-1], levels[:-1] * lengths, np.diff(levels) * lengths / 2])[..., None]
     clock = Piecewise.from_power(times, powers)
-    inside = [value for value in trajectory.breaks if s[0] < value < s[-1]]
+    path = trajectory.position
+    inside = [value for value in path.offsets.tolist() if s[0] < value < s[-1]]
     clock = clock.split(np.concatenate([(clock + -value).roots()[0] for value in inside]) if inside else [])
-    first, last = trajectory.breaks[[0, -1]]
-    position = clock.mapped(lambda values: trajectory.position(np.clip(values[:, 0], first, last)), tolerance=1e-14)
+    position = clock.mapped(lambda at: path.at_offsets(np.clip(at[:, 0], 0.0, path.duration)), tolerance=1e-14)
     left, right = position.ends()
     return Trajectory(
         position=position,

@@ -196,8 +196,8 @@ def _fields(trajectory: Trajectory, begin: float) -> int:
     if inside[0]:
         steps = trajectory.jumps(1)
         raise InputError(
-            f"the velocity steps at t = {begin + steps.times[0]:.9g} s and the motion is not made of straight lines: points"
-            " with one velocity each do not say that"
+            f"the velocity steps at t = {begin + steps.times[0]:.9g} s and the motion is not made of straight lines:"
+            " points with one velocity each do not say that"
         )
     return 2 if inside[1] or degree <= _CUBIC else 3
 

@@ -389,6 +389,21 @@ def test_functions_are_moved_stretched_and_reversed_in_time(seed: int, factor: f
     assert f.stretched(factor).duration == pytest.approx(factor * f.duration, rel=1e-15)
 
 
+@pytest.mark.parametrize("late", [0.0, 100.0, 1e4, 1.7e9])
+def test_on_a_late_clock_a_break_is_no_new_one_beside_itself(late: float) -> None:
+    """Bug: 1e4 + 0.7 - 1e4 is not 0.7: split(f.breaks) made intervals of 1e-12 s, and equal spans seemed to differ."""
+    f, g = (
+        Piecewise.fit(lambda t: np.column_stack([t, t**2]), b).shifted(late) for b in ([0, 0.7, 2.4], [0, 1.1, 2.4])
+    )
+    assert f.split(f.breaks) is f
+    assert len(f.split(g.breaks).lengths) == 3
+    both = Piecewise.joined([f, g])
+    assert (len(both.lengths), both.n_components, both.start) == (3, 4, late)
+    np.testing.assert_allclose(both.at_offsets(np.array([0.3, 2.0])), [[0.3, 0.09] * 2, [2.0, 4.0] * 2], atol=1e-13)
+    level = Piecewise.constant([1.0, 1.0], f.duration, start=f.start)
+    np.testing.assert_allclose((f - level).at_offsets(np.array([1.0])), 0.0, atol=1e-13)
+
+
 @given(seeds)
 @hypothesis_settings(max_examples=20)
 def test_one_function_after_the_other_is_each_in_its_time(seed: int) -> None:

@@ -520,6 +520,20 @@ def test_a_motion_of_a_higher_degree_gets_points_between(puma: ps.Robot, tmp_pat
         assert np.abs(same(t) - move(t)).max() < 1.001 * tolerance
 
 
+@pytest.mark.parametrize("late", [-7.0, 1e4, 1.7e9])
+def test_a_motion_on_a_late_clock_is_written_as_at_zero(puma: ps.Robot, late: float) -> None:
+    """Bug: of a motion that began at 1e4 s the points had the positions and velocities of other points."""
+    points = [[0.0] * 6, [0.4] * 6, [0.1] * 6, [0.5] * 6]
+    for profile in (ps.profiles.quintic_spline, ps.profiles.cubic_spline, ps.septic):
+        move = profile(points, [0.0, 0.7, 1.6, 2.4], joint_names=puma.joint_names)
+        torque = ps.compute_motion(puma, move).torque
+        given, moved = message_of(move, effort=torque), message_of(move.shifted(late), effort=torque.shifted(late))
+        for field in ("nanoseconds", "positions", "velocities", "accelerations"):
+            np.testing.assert_array_equal(getattr(moved, field), getattr(given, field))
+        # Which side of a step an instant of a late clock is on is lost in its rounding, 2e-7 s in this century.
+        np.testing.assert_allclose(moved.effort[1:-1], given.effort[1:-1], atol=1e-4)
+
+
 def test_what_no_message_says_is_refused(puma: ps.Robot, tmp_path: Path) -> None:
     move = small_move(puma)
     with pytest.raises(ps.InputError, match=r"must end in \.yaml, \.yml, \.json"):

@@ -131,13 +131,14 @@ def _trapezoidal(q: Array, velocity: Array, acceleration: Array, names: tuple[st
 def _scaled(family: str, q: Array, limits: Array, proportions: ArrayLike | None, names: tuple[str, ...]) -> Trajectory:
     lengths = np.abs(np.diff(q, axis=0)).max(axis=1)
     given, why = (lengths, _STILL) if proportions is None else (proportions, "")
-    shares = checked_array("proportions", given, (len(q) - 1,), above=0.0, remedy=why)
-    times = np.concatenate([[0.0], np.cumsum(shares / shares.sum())])
+    parts = checked_array("proportions", given, (len(q) - 1,), above=0.0, remedy=why)
+    times = np.concatenate([[0.0], np.cumsum(parts / parts.sum())])
     move = make(family, q, times, joint_names=names or None)
     demands = np.array([move.peak(order)[0] for order in (1, 2, 3)])
     if (np.isinf(demands) & np.isfinite(limits)).any():
         order = int(np.argwhere(np.isinf(demands) & np.isfinite(limits))[0, 0])
         what = ("velocity", "acceleration", "jerk")[order]
         raise InputError(f"{family}: its {what} is unbounded, so that no duration keeps max_{what}")
-    factors = np.where(np.isfinite(limits), demands / limits, 0.0) ** (1 / np.arange(1.0, 4.0))[:, None]
+    shares = np.divide(demands, limits, out=np.zeros_like(demands), where=np.isfinite(limits))
+    factors = shares ** (1 / np.arange(1.0, 4.0))[:, None]
     return stretched(move, float(factors.max()))

@@ -35,6 +35,17 @@ def test_a_family_with_times_is_scaled_to_its_limits(family: str) -> None:
     assert np.diff(move.times)[1] / np.diff(move.times)[0] == pytest.approx(1.2)
 
 
+@pytest.mark.parametrize("family", ["harmonic", "cubic"])
+def test_a_jerk_that_is_unbounded_but_not_limited_is_no_matter(family: str) -> None:
+    """Bug: infinite over infinite was a RuntimeWarning. Law: limits times k, k^2 are kept in a k-th of the time."""
+    one, other = (
+        ps.within_limits(family, POINTS, max_velocity=2.0 * k, max_acceleration=4.0 * k**2) for k in (1.0, 3.0)
+    )
+    used = [float((one.peak(1)[0] / 2.0).max()), float((one.peak(2)[0] / 4.0).max())]
+    assert max(used) == pytest.approx(1, rel=1e-12)
+    assert other.duration == pytest.approx(one.duration / 3.0, rel=1e-12)
+
+
 def test_double_s_is_the_profile_of_that_name() -> None:
     limits = {"max_velocity": 2.0, "max_acceleration": 8.0, "max_jerk": 32.0}
     assert ps.within_limits("double_s", [[0.0], [1.0]], **limits).duration == pytest.approx(1.0)

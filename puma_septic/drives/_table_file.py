@@ -29,7 +29,7 @@ _BESIDE: Final = ":"
 _NUMBER: Final = re.compile(r"^([+-]?(?:[0-9][0-9' \u00a0\u202f.,]*|[.,][0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*)$")
 _TOLERANCE: Final = re.compile(r"\s*(?:±|\+/-|\+-)\s*[\d.,]+\s*%?\s*$")
 _RATIO: Final = re.compile(r"^\s*:\s*1$")
-_AMBIGUOUS: Final = re.compile(r"^[+-]?\d{1,3}[.]\d{3}$")
+_AMBIGUOUS: Final = re.compile(r"^[+-]?[1-9]\d{0,2}[.]\d{3}$")  # thousands do not begin with 0
 
 
 class Row(NamedTuple):

@@ -104,6 +104,14 @@ def test_a_number_that_may_be_thousands_is_not_guessed(tmp_path: Path) -> None:
     assert "row 3, column 'mass': '1.250' is not a number: thousands or thousandths?" in catalogue.refused[0]
 
 
+def test_a_number_below_one_is_no_thousands(tmp_path: Path) -> None:
+    """Bug: a table with tabs or semicolons lost the motor with 0.025 kg cm^2, three digits behind a point."""
+    tabs = "key,mass,inertia[kg cm^2],max_int_torque\nM,0.125,0.025,1\n".replace(",", "\t")
+    catalogue = load(tmp_path, tabs)
+    assert catalogue.refused == ()
+    assert (catalogue.motors[0].mass, catalogue.motors[0].rotor_inertia) == pytest.approx((0.125, 2.5e-6))
+
+
 def test_cells_with_units_ratios_and_tolerances(tmp_path: Path) -> None:
     gears = "key,ratio,mass,inertia,efficiency\nG,100:1,800 g,0.3 kg cm^2,76 %\n"
     catalogue = load(tmp_path, "key,mass,inertia,max_int_torque,R\nM,2 lb,1e-4,1.2 ± 10 %,800 mohm\n", gears)

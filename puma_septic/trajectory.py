@@ -205,7 +205,8 @@ class Trajectory:
         -------
         Trajectory
         """
-        return replace(self, position=self.position.shifted(seconds), times=self.times + float(seconds))
+        position = self.position.shifted(seconds)
+        return replace(self, position=position, times=self._times_on(position, self.times))
 
     def stretched(self, factor: float) -> Trajectory:
         """The same motion, `factor` times as long, from the same instant; what is searched already is taken along.
@@ -214,18 +215,16 @@ class Trajectory:
         -------
         Trajectory
         """
-        start = float(self.breaks[0])
-        slower = replace(
-            self, position=self.position.stretched(factor), times=start + (self.times - start) * float(factor)
-        )
+        position = self.position.stretched(factor)
+        slower = replace(self, position=position, times=self._times_on(position, self.times, factor))
         if "_searched" in self.__dict__:
             extrema, turns = self._searched
             scale = np.repeat(float(factor) ** -_ORDERS.ravel(), self.n_joints)
             moved = Extrema(
                 min=extrema.min * scale,
                 max=extrema.max * scale,
-                t_min=start + (extrema.t_min - start) * factor,
-                t_max=start + (extrema.t_max - start) * factor,
+                t_min=self._times_on(position, extrema.t_min, factor),
+                t_max=self._times_on(position, extrema.t_max, factor),
             )
             # Turns are times since the start.
             slower.__dict__["_searched"] = moved, tuple(turn * factor for turn in turns)
@@ -233,6 +232,13 @@ class Trajectory:
             if "direction" in self.__dict__ and not np.any(self.resolution):
                 slower.__dict__["direction"] = self.direction.stretched(factor)
         return slower
+
+    def _times_on(self, moved: Piecewise, times: Array, factor: float = 1.0) -> Array:
+        """Instants on the clock of the moved position: those at a break stay at it, whatever a late clock rounds."""
+        breaks = moved.breaks
+        k = self.breaks.searchsorted(times).clip(0, len(breaks) - 1)
+        between = (breaks[0] + (times - self.breaks[0]) * float(factor)).clip(breaks[0], breaks[-1])
+        return np.asarray(np.where(self.breaks[k] == times, breaks[k], between))
 
     def _part(self, order: int) -> slice:
         """Where `state` holds the derivative of this order."""

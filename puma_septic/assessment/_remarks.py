@@ -41,8 +41,16 @@ def rest_remarks(motion: Motion, peak_torque: Array, held: tuple[Array, Array] |
     ]
     if not bands:
         return ()
-    remark = "at rest, static friction may carry any torque within its band (N m), taken as 0 here: " + ", ".join(bands)
+    remark = (
+        f"at rest, static friction may carry any torque within its band ({_unit(motion)}), taken as 0 here: "
+        + ", ".join(bands)
+    )
     return (remark,) if held is None else (remark, _dwell_remark(motion, peak_torque, held))
+
+
+def _unit(motion: Motion) -> str:
+    """Of a torque, as the tables beside it have it."""
+    return "N m or N" if motion.robot.is_prismatic.any() else "N m"
 
 
 def _dwell_remark(motion: Motion, peak_torque: Array, held: tuple[Array, Array]) -> str:
@@ -51,7 +59,8 @@ def _dwell_remark(motion: Motion, peak_torque: Array, held: tuple[Array, Array])
     torques = [np.where(np.abs(torque) > rounding, torque, 0.0) for torque in held]
     both = zip(motion.robot.joint_names, motion.robot.knows_torque, *torques, strict=True)
     return (
-        "holding torque of the dwell without static friction, which counts here, and with all its help (N m): "
+        "holding torque of the dwell without static friction, which counts here, and with all its help"
+        f" ({_unit(motion)}): "
         + ", ".join(f"{name} {alone:.4g} ({helped:.4g})" for name, known, alone, helped in both if known)
     )
 
@@ -66,5 +75,5 @@ def friction_step_remarks(motion: Motion) -> tuple[str, ...]:
     joints = [f"{name} {size:.3g}" for name, size in zip(motion.robot.joint_names, steps, strict=True) if size]
     return (
         f"the {' and the '.join(known)} is that of the torque without Coulomb friction, which steps where a joint"
-        f" starts, stops or reverses, by up to (N m): {', '.join(joints)}",
+        f" starts, stops or reverses, by up to ({_unit(motion)}): {', '.join(joints)}",
     )

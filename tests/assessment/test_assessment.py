@@ -432,6 +432,14 @@ def test_static_friction_is_named_for_the_joints_that_rest(puma: ps.Robot) -> No
     assert not any("static friction" in r for r in unknown.remarks)
 
 
+def test_remarks_of_a_sliding_joint_do_not_call_its_force_a_torque(tmp_path: Path) -> None:
+    """Bug: what friction holds of a joint that slides was told in N m alone."""
+    drives = DRIVE.format(name="swing", ratio=100.0, rotor=0.0, viscous=0.0, positive=0.02, negative=-0.01)
+    slide = pendulum(tmp_path, kind="prismatic", drives=drives)
+    remarks = ps.assess(slide, ps.quintic_segments([[0.0], [0.5]], [0, 2]), dwell=1.0).remarks
+    assert sum("(N m or N)" in one for one in remarks) == 2
+
+
 def test_what_a_dwell_takes_is_told_without_and_with_the_help_of_friction(tmp_path: Path) -> None:
     """2 kg at 0.5 m need 9.81 N m at the horizontal, and fall backwards, against which friction has 100 * 0.01 N m."""
     drives = DRIVE.format(name="swing", ratio=100.0, rotor=0.0, viscous=0.0, positive=0.02, negative=-0.01)

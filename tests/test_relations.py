@@ -252,6 +252,58 @@ def test_an_arm_that_stands_elsewhere_under_gravity_that_is_turned_with_it(tmp_p
     assert tables[1].reach == pytest.approx(tables[0].reach, rel=1e-6)
 
 
+def larger(k: float) -> Callable[[ET.Element, dict[str, Any]], None]:
+    """An arm of k times the lengths and k^3 times the masses, that takes sqrt(k) times as long."""
+
+    def change(root: ET.Element, drives: dict[str, Any]) -> None:
+        powers = {"mass": ("value", 3.0), "origin": ("xyz", 1.0), "box": ("size", 1.0), "limit": ("effort", 4.0)}
+        for element in root.iter():
+            if element.tag in powers and powers[element.tag][0] in element.attrib:
+                name, power = powers[element.tag]
+                element.set(name, " ".join(repr(float(x) * k**power) for x in element.get(name, "").split()))
+            if element.tag == "inertia":
+                element.attrib.update({name: repr(float(x) * k**5) for name, x in element.attrib.items()})
+            if "velocity" in element.attrib:
+                element.set("velocity", repr(float(element.get("velocity", "nan")) / k**0.5))
+        for one in drives["parameters"]["rtb"]["joints"].values():
+            one["rotor_inertia"] *= k**5
+            one["viscous_friction"] *= k**4.5
+            one["coulomb_friction"] = [x * k**4 for x in one["coulomb_friction"]]
+        limits = drives["limits"]["corke"]
+        for quantity, power in (("effort", 4.0), ("velocity", -0.5)):
+            limits[quantity] = {name: x * k**power for name, x in limits[quantity].items()}
+
+    return change
+
+
+@pytest.mark.parametrize("k", [0.05, 30.0])
+def test_an_arm_of_another_size_uses_as_much_of_its_limits(tmp_path: Path, k: float) -> None:
+    """Law: lengths k, masses k^3 and times sqrt(k) have torques of k^4 under the same gravity (equal Froude numbers).
+
+    No floor, tolerance or start of a search is a length, a mass or a torque: 4 cm or 26 m of reach, 1e-7 or 1e8 N m.
+    """
+    (tmp_path / "other").mkdir()
+    arm, other = told(tmp_path, untouched), told(tmp_path / "other", larger(k))
+    for profile in BOUNDED:
+        move = made(arm, profile)
+        slower = made(other, profile).stretched(k**0.5)
+        motions = ps.compute_motion(arm, move), ps.compute_motion(other, slower)
+        one, two = (ps.assess(motion, dwell=0.2 * t) for motion, t in zip(motions, (1.0, k**0.5), strict=True))
+        np.testing.assert_allclose(two.peak_torque, one.peak_torque * k**4, rtol=1e-9)
+        np.testing.assert_allclose(two.rms_torque, one.rms_torque * k**4, rtol=1e-9)
+        used = [[(c.joint, c.quantity, c.utilisation) for c in each.checks if not c.is_range] for each in (one, two)]
+        assert used[1] == [(joint, quantity, pytest.approx(share, rel=1e-9)) for joint, quantity, share in used[0]]
+        fastest, same = (ps.minimum_duration(motion).duration for motion in motions)
+        assert same == pytest.approx(fastest * k**0.5, rel=1e-9)
+        most, equal = (ps.maximum_payload(motion).mass for motion in motions)
+        assert equal == pytest.approx(most * k**3, rel=1e-9)
+        shares = [[c.utilisation for c in ps.size(back_and_forth(m)).checks] for m in motions]
+        np.testing.assert_allclose(shares[1], shares[0], rtol=1e-9)
+    found, also = (ps.inverse_kinematics(one, ps.forward_kinematics(one, POINTS[1])) for one in (arm, other))
+    assert also.configurations == found.configurations
+    np.testing.assert_allclose(also.q, found.q, atol=1e-9)
+
+
 # ---- backwards, and divided
 
 

@@ -197,7 +197,8 @@ class Robot:
     @property
     def fixed_joint_names(self) -> tuple[str, ...]:
         """Joints that do not move: fixed in the URDF, or locked when it was loaded."""
-        return tuple(frame.name for frame in self.bare_model.frames if frame.type == pin.FrameType.FIXED_JOINT)
+        frames = list(self.bare_model.frames)[1:]  # the first is the world's
+        return tuple(frame.name for frame in frames if frame.type == pin.FrameType.FIXED_JOINT)
 
     @property
     def tool_id(self) -> int:

@@ -52,12 +52,12 @@ def test_kinova_has_continuous_joints() -> None:
     assert ps.forward_kinematics(robot, turned) == pytest.approx(ps.forward_kinematics(robot, q), abs=1e-14)
 
 
-def test_locked_revolute_joint_keeps_its_angle_and_its_inertia(tmp_path: Path) -> None:
-    text = replaced(
-        '<axis xyz="0 1 0"/>', '<axis xyz="0 3 4"/>', replaced('xyz="0 0 0.5"', 'xyz="0 0 0.5" rpy="1 2 3"')
-    )
+@pytest.mark.parametrize("origin", ['xyz="0 0 0.5" rpy="1 2 3"', 'rpy="1 2 3"', 'xyz="0 0 0.5"', ""])
+def test_locked_revolute_joint_keeps_its_angle_and_its_inertia(tmp_path: Path, origin: str) -> None:
+    text = replaced('<axis xyz="0 1 0"/>', '<axis xyz="0 3 4"/>', replaced('xyz="0 0 0.5"', origin))
     free, locked = load(tmp_path, text), load(tmp_path, text, locked={"shoulder": 0.7})
     assert locked.joint_names == ("elbow",)
+    assert (free.fixed_joint_names, locked.fixed_joint_names) == (("mount",), ("shoulder", "mount"))
     assert ps.forward_kinematics(locked, [0.4]) == pytest.approx(ps.forward_kinematics(free, [0.7, 0.4]), abs=1e-15)
     expected = ps.inverse_dynamics(free, [0.7, 0.4], [0.0, 2.0], [0.0, 3.0])[1]
     assert ps.inverse_dynamics(locked, [0.4], [2.0], [3.0])[0] == pytest.approx(expected, rel=1e-13)

@@ -365,6 +365,8 @@ def test_limits_of_version_1_2_and_vendors(tmp_path: Path) -> None:
     )
     assert elsewhere.limits.jerk[0] == 10.0
     assert "URDF attributes not used: <axis drake:jerk>" in elsewhere.notes
+    parent = load(tmp_path, foreign.replace("<parent ", '<parent drake:jerk="x" '))
+    assert "URDF attributes not used: <parent drake:jerk>" in parent.notes
 
 
 def test_a_misspelt_soft_limit_stops_nothing(tmp_path: Path) -> None:

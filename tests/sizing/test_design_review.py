@@ -19,6 +19,7 @@ from puma_septic.cli import main
 from puma_septic.drives import LEAST_SET
 from puma_septic.report.csv import load_profile_csv, motor_profile_csv
 from puma_septic.sizing import Conditions, LoadCase
+from puma_septic.sizing._brake import worst_stops
 from puma_septic.task import make_task, resolve_task
 
 MOTOR: dict[str, Any] = {
@@ -323,8 +324,6 @@ def test_an_emergency_stop_asks_for_what_inertia_does(tmp_path: Path) -> None:
     """A pendulum of 2 kg at 0.5 m from 1 rad/s within 0.1 s about a vertical axis would ask for m r^2 v / T = 5 N m."""
     arm = pendulum(tmp_path, gravity=(0.0, 0.0, 0.0))
     move = ps.profiles.linear([[0.0], [2.0]], [0.0, 2.0], joint_names=arm.joint_names)
-    from puma_septic.sizing._brake import worst_stops
-
     ((joint, _, stop),) = worst_stops(ps.compute_motion(arm, move), 0.1)
     assert joint == "swing"
     assert np.abs(stop.load_torque.extrema().peak[0]) == pytest.approx(2.0 * 0.5**2 * 1.0 / 0.1, rel=1e-9)
@@ -332,6 +331,21 @@ def test_an_emergency_stop_asks_for_what_inertia_does(tmp_path: Path) -> None:
     assert stop.trajectory(0.1, order=1)[0] == pytest.approx(0.0, abs=1e-12)
     # It turns v T / 2 further.
     assert stop.trajectory(0.1)[0] - stop.trajectory(0.0)[0] == pytest.approx(0.05)
+
+
+def test_an_emergency_stop_begins_where_it_asks_for_most() -> None:
+    """Of 2,000 instants none has a larger torque of the links as the arm begins to slow down, ``tau - M q' / T``."""
+    robot = ps.load_robot().with_actuators((ps.Actuator(),) * 6)
+    points = [[0.0, 0.6, -2.2, 0.0, 0.3, 0.0], [0.6, 0.9, -2.4, 0.3, 0.45, 0.25]]
+    move = ps.quintic_segments(points, [0.0, 1.2], joint_names=robot.joint_names)
+    t = np.linspace(0.0, 1.2, 2000)
+    q, v, a = (move(t, order=order) for order in range(3))
+    torque = np.abs(ps.inverse_dynamics(robot, q, v, a - v / 0.3, friction=False))
+    for joint, instant, _ in worst_stops(ps.compute_motion(robot, move), 0.3):
+        j = robot.joint_index(joint)
+        q, v, a = (move(np.array([instant]), order=order) for order in range(3))
+        found = abs(ps.inverse_dynamics(robot, q, v, a - v / 0.3, friction=False)[0, j])
+        assert torque[:, j].max() * (1 - 1e-12) <= found <= torque[:, j].max() * (1 + 1e-4)
 
 
 def test_the_worst_pose_holds_what_the_certified_bound_says() -> None:

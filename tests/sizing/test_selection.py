@@ -209,7 +209,9 @@ def test_bounds_hold_for_slow_windings_and_low_ratios(j: int, periodic: bool, re
         bus_voltage=48.0, continuous_current=9.0, peak_current=90.0, continuous_power=60.0, peak_power=900.0,
         peak_regenerated_power=90.0, storable_energy=20.0, brake_resistor_power=resistor,
     )  # fmt: skip
-    place = ps.Drivetrain(motor=ps.Motor(), gearbox=ps.Gearbox(ratio=1.0), drive=drive, ambient_celsius=20.0)
+    place = ps.Drivetrain(
+        motor=ps.Motor(), gearbox=ps.Gearbox(ratio=1.0), drive=drive, ambient_celsius=20.0, max_inertia_ratio=50.0
+    )
     motor = ps.Motor(
         name="M", torque_constant=0.5, resistance=0.001, rotor_inertia=1e-4, viscous_friction=1e-4,
         coulomb_friction=0.01, peak_torque=30.0, continuous_torque=9.0, max_speed=500.0, max_winding_celsius=155.0,

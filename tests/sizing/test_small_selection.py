@@ -14,6 +14,7 @@ from helpers.urdf_texts import ARM, load
 
 import puma_septic as ps
 from puma_septic.sizing import LoadCase
+from puma_septic.sizing._drive_masses import _from_the_tip
 
 JOINTS = ("shoulder", "elbow")
 
@@ -220,6 +221,7 @@ def test_a_joint_is_chosen_after_all_that_it_carries_whatever_the_text_says(tmp_
     shoulder, elbow = ARM[places[0] : places[1]], ARM[places[1] : places[2]]
     swapped = load(tmp_path, ARM.replace(shoulder + elbow, elbow + shoulder), tool="tip")
     assert swapped.joint_names == ("elbow", "shoulder")
+    assert (_from_the_tip(swapped), _from_the_tip(arm())) == ([0, 1], [1, 0])
     out = ps.quintic_segments([[0.1, 0.2], [0.3, 1.4]], [0.0, 1.0], joint_names=swapped.joint_names)
     back_and_forth = ps.cycle.with_return(ps.compute_motion(swapped, out))
     found = ps.size(back_and_forth, catalogue=catalogue(), masses="before")

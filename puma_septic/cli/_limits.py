@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 
-from puma_septic.cli._arguments import add_margin, add_payload, add_profile, add_task, finite
+from puma_septic.cli._arguments import add_dwell, add_margin, add_payload, add_profile, add_task, finite
 from puma_septic.cli._output_arguments import add_format, add_out
 from puma_septic.cli._parser import Answer
 
@@ -30,6 +30,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_task(parser)
     add_profile(parser, "only this profile, with the task's options if it has some (repeatable)")
     add_payload(parser)
+    add_dwell(parser)
     add_margin(parser)
     parser.add_argument(
         "--com",

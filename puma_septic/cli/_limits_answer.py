@@ -30,10 +30,14 @@ def answer(arguments: Namespace) -> Answer:
     resolved = resolve_task(asked_task(arguments, "paper-turned", profiles=arguments.profile))
     resolved = replace(resolved, robot=with_margin(resolved.robot, arguments))
     motions = [compute_motion(resolved.robot, trajectory) for trajectory in resolved.trajectories]
-    floor, tool_limits = resolved.task.floor, resolved.tool_limits
-    assessments = [assess(motion, floor=floor, tool_limits=tool_limits) for motion in motions]
+    cell: dict[str, Any] = {
+        "dwell": resolved.task.dwell,
+        "floor": resolved.task.floor,
+        "tool_limits": resolved.tool_limits,
+    }
+    assessments = [assess(motion, **cell) for motion in motions]
     labels = profile_labels(assessments)
-    found = [motion_limits(motion, com=arguments.com, floor=floor, tool_limits=tool_limits) for motion in motions]
+    found = [motion_limits(motion, com=arguments.com, **cell) for motion in motions]
     document: dict[str, Any] = {
         "schema": SCHEMAS["limits"],
         "version": __version__,
@@ -45,7 +49,7 @@ def answer(arguments: Namespace) -> Answer:
     }
     if arguments.reference:
         for motion, one in zip(motions, document["profiles"], strict=True):
-            one["reference"] = _reference(motion, tool_limits)
+            one["reference"] = _reference(motion, resolved.tool_limits)
     texts = {"text": view.text, "json": to_json, "csv": view.csv}
     text = texts[arguments.format](document)
     if arguments.out is not None:

@@ -23,7 +23,7 @@ from puma_septic.sizing import MotorLoad, torque_at_speed
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array
 
-__all__ = ["CurveDemand", "drive_checks", "drive_demands", "highest_motor_rate", "load_demands"]
+__all__ = ["CurveDemand", "drive_checks", "drive_demands", "highest_motor_rate", "load_demands", "standstill_limits"]
 
 
 @final
@@ -129,6 +129,15 @@ def load_demands(
         demands.append(Demand.of("motor power", (bare * v, added * v), power))
     demands += [CurveDemand.of(trajectory, j, train, (bare, added), 0, rate) for j, train in _curved(robot).items()]
     return [demand for demand in demands if demand is not None]
+
+
+def standstill_limits(robot: Robot) -> list[tuple[str, str, Array, Array]]:
+    """What motors at rest are held to: quantity, unit, factor of the joint torque and limit of each joint."""
+    rows = [(row.quantity, row.unit, *row.of(robot)[::2]) for row in _LINEAR]
+    factor, limit = np.zeros(robot.n_joints), np.full(robot.n_joints, np.nan)
+    for j, train in _curved(robot).items():
+        factor[j], limit[j] = 1 / train.ratio, np.interp(0.0, *train.peak_curve.T)
+    return [*rows, ("motor torque at speed", "N m", factor, limit)]
 
 
 def drive_checks(motion: Motion) -> tuple[LimitCheck, ...]:

@@ -13,6 +13,7 @@ from puma_septic.errors import InputError, NoSolution
 from puma_septic.limit_check import AT_LIMIT, LimitCheck, most_used_first
 from puma_septic.limits._demands import Demand
 from puma_septic.limits._drives import drive_checks, drive_demands, highest_motor_rate
+from puma_septic.limits._dwell import dwell_checks, dwell_demands
 from puma_septic.limits._feasible import Certificate, Constraint, Feasible, feasible_values
 from puma_septic.limits._stretching import RateTorque, rate_torque, stretched
 from puma_septic.motion import Motion, compute_motion
@@ -128,7 +129,7 @@ class MinimumDuration:
 
 
 def minimum_duration(
-    motion: Motion, *, floor: float | None = None, tool_limits: ToolLimits | None = None
+    motion: Motion, *, dwell: float = 0.0, floor: float | None = None, tool_limits: ToolLimits | None = None
 ) -> MinimumDuration:
     """How short a motion may become, stretched or shortened in time, and which durations keep its limits at all.
 
@@ -142,6 +143,8 @@ def minimum_duration(
     ----------
     motion : Motion
         From rest to rest. Its own duration does not matter.
+    dwell : float
+        Rest at the last point, s, which no stretch changes: its holding torque must keep the limits, too.
     floor : float, optional
         Height above the base that the arm must stay above, m: no duration helps where it does not.
     tool_limits : ToolLimits, optional
@@ -167,14 +170,14 @@ def minimum_duration(
     >>> round(fastest.duration, 4), fastest.governing.joint, fastest.governing.quantity, fastest.certificate
     (0.6209, 'joint2', 'velocity', 'proved')
     """
-    first = assess(motion, floor=floor, tool_limits=tool_limits)
+    first = assess(motion, dwell=dwell, floor=floor, tool_limits=tool_limits)
     rates = feasible_rates(motion, first)
     intervals = rates.feasible.intervals
     if not len(intervals):
         raise rates.nothing_helps()
     is_open = bool(intervals[0, 0] == 0)
     k = 0 if is_open else -1
-    answer = assessed_at(motion, float(intervals[k, 1]), floor=floor, tool_limits=tool_limits)
+    answer = assessed_at(motion, float(intervals[k, 1]), dwell=dwell, floor=floor, tool_limits=tool_limits)
     with np.errstate(divide="ignore"):
         durations = (motion.trajectory.duration / intervals)[::-1, ::-1]
     durations[-1 - k, 0] = answer.trajectory.duration
@@ -223,7 +226,12 @@ class Answer:
 
 
 def assessed_at(
-    motion: Motion, rate: float, *, floor: float | None = None, tool_limits: ToolLimits | None = None
+    motion: Motion,
+    rate: float,
+    *,
+    dwell: float = 0.0,
+    floor: float | None = None,
+    tool_limits: ToolLimits | None = None,
 ) -> Answer:
     """The motion at a rate, or at one below it by what rounding makes of the derivatives of its torque.
 
@@ -233,9 +241,10 @@ def assessed_at(
     """
     for _ in range(_MOST_CORRECTIONS):
         slower = motion if rate == 1 else compute_motion(motion.robot, stretched(motion.trajectory, 1 / rate))
-        result = assess(slower, floor=floor, tool_limits=tool_limits)
+        result = assess(slower, dwell=dwell, floor=floor, tool_limits=tool_limits)
         slowed = [check for check in result.all_checks if not check.is_range]
-        answer = Answer(rate=rate, assessment=result, checks=most_used_first([*slowed, *drive_checks(slower)]))
+        motors = [*drive_checks(slower), *dwell_checks(slower, dwell)]
+        answer = Answer(rate=rate, assessment=result, checks=most_used_first([*slowed, *motors]))
         excess = answer.checks[0].utilisation - 1
         if not AT_LIMIT < excess < _ROUNDING:
             break
@@ -289,7 +298,11 @@ def feasible_rates(motion: Motion, first: Assessment, highest: float = np.inf) -
     _refuse_hopeless(first)
     torque = rate_torque(motion)
     highest = min(highest, kinematic_rate(first), highest_motor_rate(motion.robot, first.peak_velocity))
-    constraints: tuple[Constraint, ...] = (*_torque_demands(motion, torque), *drive_demands(motion, torque))
+    constraints: tuple[Constraint, ...] = (
+        *_torque_demands(motion, torque),
+        *drive_demands(motion, torque),
+        *dwell_demands(motion, first.dwell),
+    )
     feasible = feasible_values(constraints, highest)
     if len(feasible.intervals) and np.isinf(feasible.intervals[-1, 1]):
         raise InputError("the motion moves no joint that has a known limit: any duration is long enough")

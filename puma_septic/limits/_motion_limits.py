@@ -13,6 +13,7 @@ from puma_septic.document import plain
 from puma_septic.errors import NoSolution
 from puma_septic.limits._drives import highest_motor_rate
 from puma_septic.limits._duration import MinimumDuration, kinematic_rate, minimum_duration
+from puma_septic.limits._dwell import dwell_demands
 from puma_septic.limits._feasible import feasible_values
 from puma_septic.limits._payload import Load, MaximumPayload, checked_load, mass_demands_at, maximum_payload
 from puma_septic.limits._stretching import load_torque, rate_torque
@@ -82,6 +83,7 @@ def motion_limits(
     motion: Motion,
     *,
     com: ArrayLike | None = None,
+    dwell: float = 0.0,
     floor: float | None = None,
     tool_limits: ToolLimits | None = None,
 ) -> MotionLimits:
@@ -92,7 +94,7 @@ def motion_limits(
     motion : Motion
     com : array_like, shape (3,), optional
         As `maximum_payload` takes it.
-    floor, tool_limits : optional
+    dwell, floor, tool_limits : optional
         As `minimum_duration` takes them.
 
     Returns
@@ -105,17 +107,19 @@ def motion_limits(
     heaviest: MaximumPayload | None = None
     why_not_fastest = why_not_heaviest = ""
     try:
-        fastest = minimum_duration(motion, floor=floor, tool_limits=tool_limits)
+        fastest = minimum_duration(motion, dwell=dwell, floor=floor, tool_limits=tool_limits)
     except NoSolution as error:
         why_not_fastest = str(error)
     try:
-        heaviest = maximum_payload(motion, com=load.com, gyration=load.gyration, floor=floor, tool_limits=tool_limits)
+        heaviest = maximum_payload(
+            motion, com=load.com, gyration=load.gyration, dwell=dwell, floor=floor, tool_limits=tool_limits
+        )
     except NoSolution as error:
         why_not_heaviest = str(error)
     least = motion.trajectory.duration if fastest is None else float(fastest.feasible[0, 0])
     durations = np.geomspace(1, _SLOWEST, _COUNT) * least
     masses = payload_over_duration(
-        motion, durations, com=load.com, gyration=load.gyration, floor=floor, tool_limits=tool_limits
+        motion, durations, com=load.com, gyration=load.gyration, dwell=dwell, floor=floor, tool_limits=tool_limits
     )
     return MotionLimits(
         motion=motion,
@@ -135,6 +139,7 @@ def payload_over_duration(
     *,
     com: ArrayLike | None = None,
     gyration: ArrayLike | None = None,
+    dwell: float = 0.0,
     floor: float | None = None,
     tool_limits: ToolLimits | None = None,
 ) -> Array:
@@ -146,7 +151,7 @@ def payload_over_duration(
         What its robot carries is replaced.
     durations : array_like, shape (n,)
         s.
-    com, gyration, floor, tool_limits : optional
+    com, gyration, dwell, floor, tool_limits : optional
         As `maximum_payload` takes them.
 
     Returns
@@ -163,16 +168,17 @@ def payload_over_duration(
     times = checked_array("durations", durations, (None,), unit="s", above=0.0)
     load = checked_load(robot, com, gyration)
     bare = motion if robot.payload is None else compute_motion(robot.with_payload(None), motion.trajectory)
-    first = assess(bare, floor=floor, tool_limits=tool_limits)
+    first = assess(bare, dwell=dwell, floor=floor, tool_limits=tool_limits)
     torque, added = rate_torque(bare), load_torque(bare.robot, bare.trajectory, load.per_kg)
     in_place = not any(check.is_range and check.is_violated for check in first.all_checks)
     highest = min(kinematic_rate(first), highest_motor_rate(robot, first.peak_velocity)) if in_place else 0.0
+    held = dwell_demands(bare, dwell, per_kg=load.per_kg)
     masses = np.full((len(times), 2), np.nan)
     for k, rate in enumerate((bare.trajectory.duration / times).tolist()):
         if rate > highest * (1 + 1e-12):
             continue
         parts = (torque.at(rate), torque.coulomb, added.at(rate))
-        intervals = feasible_values(mass_demands_at(bare.robot, bare.trajectory, parts, rate)).intervals
+        intervals = feasible_values([*mass_demands_at(bare.robot, bare.trajectory, parts, rate), *held]).intervals
         if len(intervals):
             masses[k] = intervals[0]
     return masses

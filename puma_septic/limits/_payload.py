@@ -15,6 +15,7 @@ from puma_septic.errors import InputError, NoSolution
 from puma_septic.limit_check import LimitCheck, most_used_first
 from puma_septic.limits._demands import Demand
 from puma_septic.limits._drives import CurveDemand, drive_checks, load_demands
+from puma_septic.limits._dwell import dwell_checks, dwell_demands
 from puma_septic.limits._feasible import Certificate, Constraint, feasible_values
 from puma_septic.limits._stretching import load_torque, rate_torque
 from puma_septic.motion import Motion, compute_motion
@@ -156,6 +157,7 @@ def maximum_payload(
     *,
     com: ArrayLike | None = None,
     gyration: ArrayLike | None = None,
+    dwell: float = 0.0,
     floor: float | None = None,
     tool_limits: ToolLimits | None = None,
 ) -> MaximumPayload:
@@ -174,6 +176,8 @@ def maximum_payload(
     gyration : array_like, shape (3, 3), optional
         Inertia about the centre of mass per kg, m^2; by default that of the robot's payload, of which com is not given,
         else a point mass.
+    dwell : float
+        Rest at the last point, s: its holding torque must keep the limits, too.
     floor : float, optional
         Height above the base that the arm must stay above, m: no mass helps where it does not.
     tool_limits : ToolLimits, optional
@@ -202,9 +206,9 @@ def maximum_payload(
     load = checked_load(checked_kind("motion", motion, Motion).robot, com, gyration)
     robot, trajectory = motion.robot, motion.trajectory
     bare = motion if robot.payload is None else compute_motion(robot.with_payload(None), trajectory)
-    first = assess(bare, floor=floor, tool_limits=tool_limits)
+    first = assess(bare, dwell=dwell, floor=floor, tool_limits=tool_limits)
     _refuse_what_no_mass_mends(first)
-    demands = mass_demands(first.motion, load)
+    demands = [*mass_demands(first.motion, load), *dwell_demands(first.motion, dwell, per_kg=load.per_kg)]
     feasible = feasible_values(demands)
     if not len(feasible.intervals):
         raise _no_mass(first, demands)
@@ -212,7 +216,7 @@ def maximum_payload(
     if np.isinf(most):
         raise InputError("no joint with a known limit bears the payload: any mass will do")
     loaded = compute_motion(robot.with_payload(load.of(most)), trajectory)
-    answer = assess(loaded, floor=floor, tool_limits=tool_limits)
+    answer = assess(loaded, dwell=dwell, floor=floor, tool_limits=tool_limits)
     checks = [check for check in answer.all_checks if not check.is_range]
     return MaximumPayload(
         motion=motion,
@@ -220,7 +224,7 @@ def maximum_payload(
         mass=most,
         feasible=read_only([[least, most]]),
         assessment=answer,
-        checks=most_used_first([*checks, *drive_checks(answer.motion)]),
+        checks=most_used_first([*checks, *drive_checks(answer.motion), *dwell_checks(answer.motion, dwell)]),
         certificate=feasible.certificate if answer.is_feasible else "undecided",
     )
 
@@ -267,10 +271,11 @@ def mass_demands_at(
 
 def _no_mass(first: Assessment, demands: Sequence[Constraint]) -> NoSolution:
     """Which limits leave no mass: without any payload, the one used most."""
-    worst = most_used_first([*first.checks, *drive_checks(first.motion)])[0]
+    motors = [*drive_checks(first.motion), *dwell_checks(first.motion, first.dwell)]
+    worst = most_used_first([*first.checks, *motors])[0]
     return NoSolution(
         f"no payload keeps the limits: without any, {worst}, and no mass that mends this keeps the others"
-        f" ({', '.join(demand.quantity for demand in demands)})",
+        f" ({', '.join(dict.fromkeys(demand.quantity for demand in demands))})",
         residual=abs(worst.margin),
         q=first.motion.trajectory(worst.time),
     )

@@ -16,6 +16,7 @@ from puma_septic.dynamics import check_plain_friction, payload_torque, rigid_tor
 from puma_septic.errors import InputError
 from puma_septic.limit_check import AT_LIMIT
 from puma_septic.limits._drives import drive_checks
+from puma_septic.limits._dwell import added_holding_torque
 from puma_septic.limits._payload import Load, checked_load
 from puma_septic.limits._stretching import split_torque
 from puma_septic.motion import Motion, compute_motion
@@ -52,7 +53,7 @@ class Sweep:
         "velocity", "acceleration", "jerk", "effort" and what else has limits: largest magnitudes, shape
         (..., n_joints); NaN for the torque of a joint whose torque is not known.
     rms_torque : ndarray, shape (..., n_joints)
-        Over the motion.
+        Over the motion, and the rest after it where there is one.
     utilisation : ndarray, shape (...,)
         The largest share of a known limit, positions apart; NaN where none is known.
     governing_joint : ndarray of int, shape (...,)
@@ -238,10 +239,11 @@ def payload_duration_map(
     times = _checked("durations", durations, unit="s", above=0.0)
     m = _checked("masses", masses, unit="kg", at_least=0.0)
     load = checked_load(checked_kind("motion", motion, Motion).robot, com, gyration)
-    return _sweep(motion, load, *(np.ascontiguousarray(axis.T) for axis in np.meshgrid(times, m)))
+    all_times, all_masses = (np.ascontiguousarray(axis.T) for axis in np.meshgrid(times, m))
+    return _sweep(motion, load, all_times, all_masses)
 
 
-def payload_and_duration(motion: Motion, durations: ArrayLike, masses: ArrayLike) -> Sweep:
+def payload_and_duration(motion: Motion, durations: ArrayLike, masses: ArrayLike, *, dwell: float = 0.0) -> Sweep:
     """As many cases as there are durations, each with its own payload of the shape that the robot carries.
 
     Parameters
@@ -249,6 +251,8 @@ def payload_and_duration(motion: Motion, durations: ArrayLike, masses: ArrayLike
     motion : Motion
     durations, masses : array_like, shape (n,)
         s and kg.
+    dwell : float
+        Rest at the last point after each, s; its holding torque counts in peaks and root mean squares.
 
     Returns
     -------
@@ -263,7 +267,7 @@ def payload_and_duration(motion: Motion, durations: ArrayLike, masses: ArrayLike
     m = _checked("masses", masses, unit="kg", at_least=0.0)
     if len(times) != len(m):
         raise InputError(f"{len(times)} durations and {len(m)} masses: expected one of each for a case")
-    return _sweep(motion, checked_load(checked_kind("motion", motion, Motion).robot, None, None), times, m)
+    return _sweep(motion, checked_load(checked_kind("motion", motion, Motion).robot, None, None), times, m, dwell)
 
 
 def _checked(name: str, values: ArrayLike, *, unit: str, **bounds: float) -> Array:
@@ -278,13 +282,17 @@ def _mass(payload: Any) -> float:
     return 0.0 if payload is None else float(payload.mass)
 
 
-def _sweep(motion: Motion, load: Load, durations: Array, masses: Array) -> Sweep:
+def _sweep(motion: Motion, load: Load, durations: Array, masses: Array, dwell: float = 0.0) -> Sweep:
     robot = motion.robot
     bare = motion if robot.payload is None else compute_motion(robot.with_payload(None), motion.trajectory)
-    first = assess(bare)
+    first = assess(bare, dwell=dwell)
     rates, m = motion.trajectory.duration / durations.ravel(), masses.ravel()
     torque = LoadedTorque.of(bare, load)
-    found = torque.peaks(rates, m)
+    found, rms = torque.peaks(rates, m), torque.rms(rates, m)
+    if dwell:
+        hold = first.holding_torque + m[:, None] * added_holding_torque(bare, load.per_kg)
+        share = (dwell / (dwell + durations.ravel()))[:, None]
+        found, rms = np.maximum(found, np.abs(hold)), np.sqrt((1 - share) * rms**2 + share * hold**2)
     kinematic = {name: getattr(first, f"peak_{name}") * rates[:, None] ** order for name, order in _ORDERS.items()}
     peaks = kinematic | {"effort": found} | torque.derivative_peaks(rates, m)
     verdict = _Verdict.of(first, peaks)
@@ -299,7 +307,7 @@ def _sweep(motion: Motion, load: Load, durations: Array, masses: Array) -> Sweep
         durations=read_only(durations),
         masses=read_only(masses),
         peaks={name: shaped(values) for name, values in peaks.items()},
-        rms_torque=shaped(torque.rms(rates, m)),
+        rms_torque=shaped(rms),
         utilisation=shaped(verdict.utilisation),
         governing_joint=shaped(verdict.joint),
         governing_quantity=shaped(verdict.quantity),

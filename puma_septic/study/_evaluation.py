@@ -123,8 +123,9 @@ def _fill(
     payload = motion.robot.payload
     durations = values.get("duration", np.full(n, motion.trajectory.duration))
     masses = values.get("payload", np.full(n, 0.0 if payload is None else payload.mass))
+    task = resolved.task
     try:
-        first = assess(motion, floor=resolved.task.floor, tool_limits=resolved.tool_limits)
+        first = assess(motion, dwell=task.dwell, floor=task.floor, tool_limits=resolved.tool_limits)
         _store(columns, rows, first, durations, masses)
     except PumaSepticError as error:
         columns["error"][rows] = str(error)
@@ -152,7 +153,7 @@ def _store(columns: Columns, rows: slice, first: Assessment, durations: Array, m
         for k, (duration, mass) in enumerate(zip(durations.tolist(), masses.tolist(), strict=True)):
             _store_one(columns, rows.start + k, _alone(first, duration, mass))
         return
-    sweep = payload_and_duration(motion, durations, masses)
+    sweep = payload_and_duration(motion, durations, masses, dwell=first.dwell)
     limits = robot.limits
     names = np.array(robot.joint_names, dtype=object)
     _put(columns, "feasible", rows, sweep.is_feasible)
@@ -199,7 +200,7 @@ def _alone(first: Assessment, duration: float, mass: float) -> Assessment:
         shape["inertia"] = given.inertia * (mass / given.mass)
     robot = robot.with_payload(Payload(mass=mass, **shape) if mass else None)
     moved = compute_motion(robot, stretched(motion.trajectory, duration / motion.trajectory.duration))
-    return assess(moved, floor=first.floor, tool_limits=first.tool_limits)
+    return assess(moved, dwell=first.dwell, floor=first.floor, tool_limits=first.tool_limits)
 
 
 def _store_one(columns: Columns, row: int, one: Assessment) -> None:

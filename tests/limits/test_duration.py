@@ -197,3 +197,40 @@ def test_the_document_says_what_the_text_says(puma: ps.Robot) -> None:
     assert document["feasible"] == [[fastest.duration, "unbounded"]]
     assert "Least duration 0.620861 s (quintic_segments)" in str(fastest)
     assert "joint2 velocity 1.51 rad/s" in str(fastest)
+
+
+def lowered() -> tuple[ps.Robot, ps.Trajectory]:
+    """An arm that is let down while its dry friction holds part of it, and its motor holds all of it afterwards."""
+    down = ps.quintic_segments([[0, 0.9, -2.2, 0, 0.3, 0], [0, 0.3, -2.2, 0, 0.3, 0]], [0.0, 4.0])
+    robot = ps.load_robot().with_payload(ps.Payload(mass=3.0, com=(0, 0, 0.1)))
+    assert ps.assess(robot, down).peak_torque[1] < 66 < ps.assess(robot, down, dwell=1.0).peak_torque[1]
+    return robot.with_limits(effort=[np.nan, 66.0, *[np.nan] * 4]), down
+
+
+def test_a_dwell_holds_at_any_duration() -> None:
+    """A task's dwell bound `assess` alone: the least duration was called feasible, and broke the limit at rest."""
+    robot, down = lowered()
+    motion = ps.compute_motion(robot, down)
+    free = ps.minimum_duration(motion)
+    assert not ps.assess(robot, free.trajectory, dwell=1.0).is_feasible
+    with pytest.raises(ps.NoSolution, match=r"joint2 needs 72\.06 N m at t = 4 s at any speed, its limit is 66 N m"):
+        ps.minimum_duration(motion, dwell=1.0)
+    enough = ps.compute_motion(robot.with_limits(effort=[np.nan, 73.0, *[np.nan] * 4]), down)
+    held = ps.minimum_duration(enough, dwell=1.0)
+    assert held.assessment.dwell == 1.0
+    assert held.assessment.is_feasible
+
+
+def test_a_dwell_bounds_the_motors_too() -> None:
+    """What holds the arm goes through its motors: here no current that their drive can give."""
+    robot, down = lowered()
+    trains = list(robot.drivetrains)
+    train = trains[1]
+    motor = replace(train.motor, torque_constant=0.1, peak_torque=np.nan, resistance=np.nan)
+    current = 70.0 / train.ratio / 0.1
+    trains[1] = replace(train, motor=motor, drive=replace(train.drive, peak_current=current))
+    strong = robot.with_limits(effort=np.full(6, np.nan)).with_drivetrains(trains)
+    motion = ps.compute_motion(strong, down)
+    assert ps.minimum_duration(motion).duration < 4
+    with pytest.raises(ps.NoSolution, match=r"joint2 needs 102\.\d+ % of its limit of peak current at t = 4 s"):
+        ps.minimum_duration(motion, dwell=1.0)

@@ -176,3 +176,17 @@ def test_payload_over_duration_is_the_payload_at_each(puma: ps.Robot) -> None:
         alone = ps.maximum_payload(ps.compute_motion(motion.robot, stretched(move(), duration)), com=COM)
         assert least == alone.feasible[0, 0]
         assert most == pytest.approx(alone.mass, rel=1e-9)
+
+
+def test_a_dwell_bounds_the_payload(puma: ps.Robot) -> None:
+    """Let down, the arm's own friction carries part of the load; at rest afterwards the motor holds all of it."""
+    down = ps.quintic_segments([[0, 0.9, -2.2, 0, 0.3, 0], [0, 0.3, -2.2, 0, 0.3, 0]], [0.0, 4.0])
+    motion = ps.compute_motion(puma, down)
+    moved, held = ps.maximum_payload(motion, com=COM), ps.maximum_payload(motion, com=COM, dwell=0.5)
+    assert held.mass < 0.95 * moved.mass
+    assert not ps.assess(carrying(puma, moved.mass), down, dwell=0.5).is_feasible
+    assert ps.assess(carrying(puma, held.mass * (1 - 1e-9)), down, dwell=0.5).is_feasible
+    assert not ps.assess(carrying(puma, held.mass * (1 + 1e-6)), down, dwell=0.5).is_feasible
+    assert held.governing.time == 4.0
+    curve = ps.payload_over_duration(motion, [4.0, 8.0], com=COM, dwell=0.5)
+    assert curve[:, 1] == pytest.approx(held.mass, rel=1e-9)

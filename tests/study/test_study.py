@@ -63,6 +63,20 @@ def test_every_case_is_what_its_assessment_says(tmp_path: Path) -> None:
         assert row["error"] == ""
 
 
+def test_a_dwell_counts_in_every_row(tmp_path: Path) -> None:
+    """The rows left out the rest that the task asks for: its RMS torque, and what holds the arm."""
+    axes = {"dwell": [0.0, 2.0], "duration": [8.0, 12.0], "payload": [0.0, 3.0]}
+    ps.run_study(study_of(axes=axes), tmp_path / "s", workers=1)
+    resolved = ps.resolve_task(ps.load_task("paper-turned"))
+    move = resolved.trajectories[0]
+    for row in _rows(tmp_path / "s"):
+        mass = row["axis:payload"]
+        robot = resolved.robot.with_payload(ps.Payload(mass=mass) if mass else None)
+        one = ps.assess(robot, stretched(move, row["axis:duration"] / move.duration), dwell=row["axis:dwell"])
+        assert [row[f"rms_torque_{j + 1}"] for j in range(6)] == pytest.approx(one.rms_torque.tolist(), rel=1e-9)
+        assert [row[f"peak_torque_{j + 1}"] for j in range(6)] == pytest.approx(one.peak_torque.tolist(), rel=1e-9)
+
+
 def test_what_is_finished_is_neither_computed_nor_written_again(tmp_path: Path) -> None:
     folder = tmp_path / "s"
     ps.run_study(study_of(), folder, workers=1)

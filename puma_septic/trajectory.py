@@ -198,6 +198,15 @@ class Trajectory:
         """The same motion as part of a longer one: the arm need not be at rest before it and after it."""
         return replace(self, rest_before=False, rest_after=False)
 
+    def resting(self, *, before: bool = True, after: bool = True) -> Trajectory:
+        """The same motion where the arm is at rest before it, and after it, only if both this and that say so.
+
+        Returns
+        -------
+        Trajectory
+        """
+        return replace(self, rest_before=self.rest_before and before, rest_after=self.rest_after and after)
+
     def shifted(self, seconds: float) -> Trajectory:
         """The same motion, later by a number of seconds.
 

@@ -218,7 +218,7 @@ def _margin(text: str) -> tuple[str, float]:
 
 if TYPE_CHECKING:
     from puma_septic.robot import Robot
-    from puma_septic.task import Task
+    from puma_septic.task import ResolvedTask, Task
 
 
 def add_task(parser: ArgumentParser) -> None:
@@ -280,17 +280,30 @@ def add_margin(parser: ArgumentParser) -> None:
         type=share,
         default=0.0,
         metavar="SHARE",
-        help="what must be left of each velocity, acceleration, jerk and effort limit, 0 to 1",
+        help="what must be left of each velocity, acceleration, jerk and effort limit, and of the tool's, 0 to 1",
     )
 
 
 def in_reserve(arguments: Namespace) -> str:
     """What ``--margin`` keeps, behind the head of an answer that is found within the rest."""
-    return f"; {100 * arguments.margin:g} % of every limit kept in reserve" if arguments.margin else ""
+    share = f"{100 * arguments.margin:g} %"
+    return f"; {share} of the limits of joints and tool kept in reserve" if arguments.margin else ""
+
+
+def left_by_margin(resolved: ResolvedTask, arguments: Namespace) -> ResolvedTask:
+    """The task with what ``--margin`` leaves of its limits, for answers that are found within them."""
+    if not arguments.margin:
+        return resolved
+    tool = resolved.tool_limits
+    return replace(
+        resolved,
+        robot=with_margin(resolved.robot, arguments),
+        tool_limits=tool and tool.within(1.0 - arguments.margin, source=in_reserve(arguments)),
+    )
 
 
 def with_margin(robot: Robot, arguments: Namespace) -> Robot:
-    """The robot with what ``--margin`` leaves of its limits, for answers that are found within them."""
+    """The robot with what ``--margin`` leaves of its limits."""
     from puma_septic.errors import InputError
     from puma_septic.quantities import MAGNITUDES
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from puma_septic.cli._arguments import (
@@ -16,6 +15,7 @@ from puma_septic.cli._arguments import (
     add_task,
     asked_task,
     in_reserve,
+    left_by_margin,
     with_margin,
 )
 from puma_septic.cli._output_arguments import add_format, add_out, add_verbose, asked_units, origin, with_report
@@ -86,8 +86,7 @@ def run(arguments: Namespace) -> Answer:
         comparison = _beside(what.motion.trajectory, robot, arguments)
         names: Sequence[str] = ()
     else:
-        resolved = resolve_task(asked_task(arguments, "paper"))
-        resolved = replace(resolved, robot=with_margin(resolved.robot, arguments))
+        resolved = left_by_margin(resolve_task(asked_task(arguments, "paper")), arguments)
         comparison, title, names = _compared(resolved, arguments), resolved.task.name, resolved.names
         head = f"Task {resolved.task.name!r}, robot {resolved.robot.name!r}, {resolved.times[-1]:g} s"
     code = UNDECIDED if any(row["undecided"] for row in comparison.to_dict()["profiles"]) else 0
@@ -173,6 +172,8 @@ def _compared(resolved: ResolvedTask, arguments: Namespace) -> Comparison:
         dwell=resolved.task.dwell,
         floor=resolved.task.floor,
         tool_limits=resolved.tool_limits,
+        rest_before=resolved.task.rest_before,
+        rest_after=resolved.task.rest_after,
         reference=_reference(arguments),
         own=[choice.name for choice in resolved.task.profiles],
         **objectives,

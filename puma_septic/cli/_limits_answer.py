@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from argparse import Namespace
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 from puma_septic._version import __version__
 from puma_septic.assessment import Assessment, assess
-from puma_septic.cli._arguments import asked_task, in_reserve, with_margin
+from puma_septic.cli._arguments import asked_task, in_reserve, left_by_margin
 from puma_septic.cli._output_arguments import asked_units, origin, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.document import SCHEMAS, to_json
@@ -27,8 +26,9 @@ __all__ = ["answer"]
 
 def answer(arguments: Namespace) -> Answer:
     """Limits of each profile of the asked task."""
-    resolved = resolve_task(asked_task(arguments, "paper-turned", profiles=arguments.profile))
-    resolved = replace(resolved, robot=with_margin(resolved.robot, arguments))
+    resolved = left_by_margin(
+        resolve_task(asked_task(arguments, "paper-turned", profiles=arguments.profile)), arguments
+    )
     motions = [compute_motion(resolved.robot, trajectory) for trajectory in resolved.trajectories]
     cell: dict[str, Any] = {
         "dwell": resolved.task.dwell,

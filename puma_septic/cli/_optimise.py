@@ -6,7 +6,6 @@ import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from puma_septic.cli._arguments import (
@@ -18,7 +17,7 @@ from puma_septic.cli._arguments import (
     asked_task,
     count,
     in_reserve,
-    with_margin,
+    left_by_margin,
 )
 from puma_septic.cli._output_arguments import add_format, add_out, asked_units, origin, with_report
 from puma_septic.cli._parser import Answer
@@ -110,8 +109,7 @@ def run(arguments: Namespace) -> Answer:
         raise InputError(f"--profile: one profile is optimised at a time, got {', '.join(arguments.profile)}")
     _check_write(arguments)
     task = asked_task(arguments, "paper", profiles=arguments.profile)
-    resolved = resolve_task(task)
-    resolved = replace(resolved, robot=with_margin(resolved.robot, arguments))
+    resolved = left_by_margin(resolve_task(task), arguments)
     with _progress() as progress:
         result = _optimised(resolved, arguments, progress)
     document = to_json(result.to_dict())
@@ -207,6 +205,8 @@ def _write_folder(arguments: Namespace, result: Result, document: str, resolved:
             result,
             resolved.robot,
             dwell=resolved.task.dwell,
+            floor=resolved.task.floor,
+            tool_limits=resolved.tool_limits,
             title=f"{resolved.task.name}: optimised",
             point_names=resolved.names,
             made=origin(arguments),
@@ -266,11 +266,13 @@ def _make(task: Task) -> Any:
     family = families.family(choice.name)
     if not family.takes_times(choice.options):
         raise InputError(f"profile {choice.name!r} finds its own times; there are no via times to choose")
-    if not choice.options and "durations" not in family.options:
+    rests = task.rest_before and task.rest_after
+    if rests and not choice.options and "durations" not in family.options:
         return family.function
 
     def make(points: Array, times: Array, **free: Array) -> Trajectory:
-        return families.make(choice.name, points, times, options=choice.options | free)
+        made = families.make(choice.name, points, times, options=choice.options | free)
+        return made.resting(before=task.rest_before, after=task.rest_after)
 
     return make
 

@@ -31,6 +31,8 @@ def compare(
     dwell: float = 0.0,
     floor: float | None = None,
     tool_limits: ToolLimits | None = None,
+    rest_before: bool = True,
+    rest_after: bool = True,
     objectives: Sequence[str] = ("integral_of_squared_jerk", "overshoot", "via_miss"),
     own: Sequence[str] = (),
     reference: Callable[[Motion], Reference] | None = None,
@@ -57,6 +59,8 @@ def compare(
         Height above the base that the arm must stay above, m.
     tool_limits : ToolLimits, optional
         What the tool may do at most.
+    rest_before, rest_after : bool
+        Whether the arm is at rest before the points and after them; of profiles alone, what stands `beside` them knows.
     objectives : sequence of str
         By which Pareto-optimal profiles are marked, and by the first of which the advice is given; names as in
         `puma_septic.objectives.OBJECTIVES`.
@@ -95,6 +99,7 @@ def compare(
     names = None if profiles is None else checked_texts("profiles", profiles)
     given = {} if options is None else checked_kind("options", options, Mapping)
     made, unsuitable = make_profiles(robot, vias, instants, names=names, options=given, own=checked_texts("own", own))
+    made = {name: one.resting(before=rest_before, after=rest_after) for name, one in made.items()}
     others = {} if beside is None else checked_kind("beside", beside, Mapping)
     made = {**{name: checked_kind(f"beside {name!r}", one, Trajectory) for name, one in others.items()}, **made}
     if not made:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, final
+from typing import Any, Final, final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -41,6 +41,9 @@ from puma_septic.validation import Array, checked_each, checked_times, checked_w
 from puma_septic.views.tables import Cell
 
 __all__ = ["LeastTime", "least_time"]
+
+# Of its largest velocity, what a motion that is made to start at rest may have there by rounding.
+_STILL: Final = 1e-9
 
 
 @final
@@ -247,7 +250,8 @@ def least_time(
         For arguments that are not valid, an acceleration or jerk that is unbounded although it is limited, or a
         profile that does not scale with its times.
     NoSolution
-        If no duration keeps the limits of position (points beyond them), overshoot, or effort: weight and Coulomb
+        For an excerpt that starts or ends moving, and if no duration keeps the limits of position (points beyond them),
+        overshoot, or effort: weight and Coulomb
         friction do not become less in any time. The message has the joint, its value and its limit.
 
     Examples
@@ -288,6 +292,7 @@ def least_time(
     race = Proportions(setting=setting, limits=limits, torque=torque, tool_limits=tool_limits)
     count = checked_whole("restarts", restarts, at_least=0, at_most=MOST_RESTARTS) if setting.variables.size else 0
     starts = random_starts(setting.variables, setting.first(), count, seed)
+    _refuse_moving_ends(setting.variables.trajectory(starts[0]))
     start = race.start(starts[0])
     candidate, ends, found = _raced(race, starts, progress)
     if begin:
@@ -305,6 +310,20 @@ def least_time(
         n_cut=sum(one.is_cut for one in found),
         verdict=verdict,
     )
+
+
+def _refuse_moving_ends(trajectory: Trajectory) -> None:
+    """Raise a NoSolution where an excerpt starts or ends moving: another duration would change that velocity."""
+    ends = [(0, trajectory.rest_before), (-1, trajectory.rest_after)]
+    still = _STILL * float(trajectory.peak(1)[0].max())
+    for end, is_at_rest in ends:
+        speed = float(np.abs(trajectory(trajectory.breaks[end], 1)).max())
+        if not is_at_rest and speed > still:
+            raise NoSolution(
+                "no stretch keeps the velocity with which the motion starts or ends; give one from rest to rest",
+                residual=speed,
+                q=trajectory(trajectory.breaks[end]),
+            )
 
 
 def _shares(times: Array) -> Array:

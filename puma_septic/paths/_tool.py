@@ -73,6 +73,16 @@ class ToolLimits:
         every = {quantity: getattr(self, quantity.replace(" ", "_")) for quantity in _QUANTITIES}
         return {quantity: limit for quantity, limit in every.items() if limit is not None}
 
+    def within(self, share: float, *, source: str) -> ToolLimits:
+        """So much of each limit, with what says so behind the source.
+
+        Returns
+        -------
+        ToolLimits
+        """
+        left = {quantity.replace(" ", "_"): share * limit for quantity, limit in self.known.items()}
+        return ToolLimits(**left, source=f"{self.source}{source}")
+
 
 @final
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

@@ -248,7 +248,12 @@ def _executed_and_planned(name: str, simulation: Simulation) -> list[tuple[str, 
 
 
 def optimised_case(
-    found: Optimised, robot: Robot, title: str | None, *, dwell: float = 0.0, point_names: Sequence[str] = ()
+    found: Optimised,
+    robot: Robot,
+    title: str | None,
+    *,
+    cell: Mapping[str, Any],
+    point_names: Sequence[str] = (),
 ) -> Case:
     """The motion that was given and those that were found, assessed; of a front as many as there are colours."""
     if isinstance(found, ParetoFront):
@@ -259,8 +264,12 @@ def optimised_case(
     else:
         motions = [*([found.start] if found.start is not None else []), found.trajectory]
         labels = [*(["given"] if found.start is not None else []), "optimum"]
-    group = tuple(assess(robot, one, dwell=dwell) for one in motions)
-    is_feasible = all(one.is_feasible for one in group[-1 if len(labels) < 3 else 1 :])
+    group = tuple(assess(robot, one, **cell) for one in motions)
+    # All points count, those that are not drawn too.
+    verdicts = found.verdicts if isinstance(found, ParetoFront) else (found.verdict,)
+    is_feasible = all(one.is_feasible for one in group[-1 if len(labels) < 3 else 1 :]) and all(
+        one is None or one.is_feasible for one in verdicts
+    )
     is_front = isinstance(found, ParetoFront)
     notes = Markup("").join(Markup("<p>{}</p>").format(note) for note in found.notes)
     return Case(

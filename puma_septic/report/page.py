@@ -17,6 +17,7 @@ from puma_septic.errors import InputError, ModelError
 from puma_septic.limit_check import most_used_first
 from puma_septic.limits import MotionLimits
 from puma_septic.outputs import write_file
+from puma_septic.paths import ToolLimits
 from puma_septic.pictures import (
     Bar,
     Entry,
@@ -176,6 +177,8 @@ def optimised_html(
     robot: Robot,
     *,
     dwell: float = 0.0,
+    floor: float | None = None,
+    tool_limits: ToolLimits | None = None,
     title: str | None = None,
     point_names: Sequence[str] = (),
     made: Mapping[str, str] | None = None,
@@ -190,6 +193,8 @@ def optimised_html(
         That carries the motions out.
     dwell : float
         Rest after the motion, in the root mean squares, s.
+    floor, tool_limits : optional
+        Of the cell, as the optimisation took them.
     title, point_names, made, units
         As of `report_html`.
 
@@ -197,7 +202,8 @@ def optimised_html(
     -------
     str
     """
-    case = optimised_case(found, robot, title, dwell=dwell, point_names=point_names)
+    cell: dict[str, Any] = {"dwell": dwell, "floor": floor, "tool_limits": tool_limits}
+    case = optimised_case(found, robot, title, cell=cell, point_names=point_names)
     return _page(case.title, [_section(case, units)], made)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import final
 
 import numpy as np
@@ -46,6 +46,8 @@ class ResolvedTask:
         s
     trajectories : tuple of Trajectory
         One for each profile of the task.
+    tool_limits : ToolLimits or None
+        What the task allows its tool to do.
     """
 
     task: Task
@@ -57,6 +59,7 @@ class ResolvedTask:
     branch: Branch
     times: Array
     trajectories: tuple[Trajectory, ...]
+    tool_limits: ToolLimits | None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "times", read_only(self.times))
@@ -65,11 +68,6 @@ class ResolvedTask:
     def points(self) -> Array:
         """Joint positions at the points, shape (k, n_joints), rad (m)."""
         return self.branch.q
-
-    @property
-    def tool_limits(self) -> ToolLimits | None:
-        """What the task allows its tool to do."""
-        return tool_limits(self.task)
 
     @property
     def has_poses(self) -> bool:
@@ -162,8 +160,7 @@ def resolve_task(task: Task, *, robot: Robot | None = None) -> ResolvedTask:
     for k, choice in enumerate(task.profiles):
         with named(task, f"profiles[{k}] ({choice.name})"):
             made = profiles.make(choice.name, branch.q, times, options=choice.options, joint_names=robot.joint_names)
-            before, after = made.rest_before and task.rest_before, made.rest_after and task.rest_after
-            trajectories.append(replace(made, rest_before=before, rest_after=after))
+            trajectories.append(made.resting(before=task.rest_before, after=task.rest_after))
     return ResolvedTask(
         task=task,
         robot=robot,
@@ -174,6 +171,7 @@ def resolve_task(task: Task, *, robot: Robot | None = None) -> ResolvedTask:
         branch=branch,
         times=times,
         trajectories=tuple(trajectories),
+        tool_limits=tool_limits(task),
     )
 
 

@@ -280,3 +280,53 @@ def test_a_margin_means_the_same_everywhere(capsys: pytest.CaptureFixture[str]) 
     assert rows["cubic_spline"]["is_feasible"]
     assert main(["optimise", "--margin", "1"]) == 2
     assert "--margin 1 leaves nothing of the limits" in capsys.readouterr().err
+
+
+CELL = """
+name: cell
+robot: {source: puma560}
+points:
+  - {joints: [0.0, 0.6, -2.2, 0.0, 0.3, 0.0]}
+  - {joints: [1.2, 1.0, -2.4, 0.0, 0.6, 0.0]}
+times: [0, 2.0]
+profiles: [quintic]
+"""
+
+
+def test_a_margin_keeps_the_tools_limits_in_reserve_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`assess --margin` held the tool to it; what `optimise`, `limits` and `compare` found within it broke it there."""
+    task, best = tmp_path / "cell.yaml", tmp_path / "best.yaml"
+    task.write_text(CELL + "tool_limits: {speed: 0.5}\n")
+    asked = ["--margin", "0.2"]
+    printed(["optimise", str(task), "--objective", "duration", "--write", str(best), *asked], capsys)
+    assert "speed: 0.5" in best.read_text()
+    assert "kept with 20 % to spare" in printed(["assess", str(best), *asked], capsys)
+    found = json.loads(printed(["limits", str(task), *asked, "--format", "json"], capsys))["profiles"][0]["fastest"]
+    assert found["duration"] == pytest.approx(ps.load_task(best).times[-1], rel=1e-6)
+    assert found["governing"]["limit"] == pytest.approx(0.4)
+    row = json.loads(printed(["compare", str(best), *asked, "--format", "json"], capsys))["profiles"]
+    assert next(one["is_feasible"] for one in row if one["name"] == "quintic")
+
+
+def test_an_excerpt_is_one_everywhere(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`rest_before: false` reached `assess`; `compare` and `optimise` saw a step of velocity at each end."""
+    task = tmp_path / "cell.yaml"
+    task.write_text(CELL.replace("quintic", "linear") + "rest_before: false\nrest_after: false\n")
+    printed(["assess", str(task)], capsys)
+    rows = json.loads(printed(["compare", str(task), "--profile", "linear", "--format", "json"], capsys))["profiles"]
+    assert rows[0]["is_feasible"]
+    assert rows[0]["overall"]["peak_acceleration"] == 0
+    for command in (["limits"], ["optimise", "--objective", "duration"]):
+        main([command[0], str(task), *command[1:]])
+        out, err = capsys.readouterr()
+        assert "no stretch keeps the velocity with which the motion starts or ends" in " ".join(f"{out}{err}".split())
+
+
+def test_the_report_of_an_optimum_knows_the_cell(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its page judged the motion without floor and tool: feasible, where the command ended with 1."""
+    task = tmp_path / "cell.yaml"
+    task.write_text(CELL + "tool_limits: {speed: 0.5}\n")
+    folder = tmp_path / "out"
+    arguments = ["optimise", str(task), "--objective", "duration", "--no-png", "--out", str(folder)]
+    printed(arguments, capsys)
+    assert "governing: tool speed" in (folder / "report.html").read_text()

@@ -36,7 +36,7 @@ def answer(arguments: Namespace) -> Answer:
         else [*asked, _assessed(asked_task(arguments, TURNED, profiles=arguments.profile))]
     )
     if arguments.format == "json":
-        text = to_json(assess_document(shown))
+        text = to_json(assess_document(shown, margin=arguments.margin))
     elif arguments.format == "csv":
         text = metrics_csv(shown)
     else:
@@ -66,9 +66,12 @@ def _write_folder(arguments: Namespace, shown: Sequence[Assessed]) -> None:
 
     with new_folder(arguments.out, overwrite=arguments.force) as folder:
         (folder / "report.html").write_text(
-            tasks_html(shown, made=origin(arguments), units=asked_units(arguments)), encoding="utf-8"
+            tasks_html(shown, margin=arguments.margin, made=origin(arguments), units=asked_units(arguments)),
+            encoding="utf-8",
         )
-        (folder / "assessment.json").write_text(to_json(assess_document(shown)), encoding="utf-8")
+        (folder / "assessment.json").write_text(
+            to_json(assess_document(shown, margin=arguments.margin)), encoding="utf-8"
+        )
         (folder / "metrics.csv").write_text(metrics_csv(shown), encoding="utf-8")
         places = file_names([resolved.task.name for resolved, _ in shown])
         for place, (_, assessments) in zip(places, shown, strict=True):

@@ -10,7 +10,7 @@ from puma_septic.cli._output_arguments import asked_units, origin, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.cli._task_text import wrapped
 from puma_septic.cycle import CycleAssessment
-from puma_septic.report import named_metrics_csv, new_folder, samples_csv, to_json
+from puma_septic.report import named_metrics_csv, new_folder, reserve_document, samples_csv, to_json, unmet_document
 from puma_septic.ros import write_joint_trajectory
 from puma_septic.task import ResolvedCycle, Task, resolve_cycle
 from puma_septic.views import cycle as view
@@ -36,7 +36,7 @@ def cycle_answer(arguments: Namespace, task: Task) -> Answer:
 
 def _text(arguments: Namespace, resolved: ResolvedCycle, assessed: CycleAssessment) -> str:
     if arguments.format == "json":
-        return to_json(_document(resolved, assessed))
+        return to_json(_document(resolved, assessed, arguments.margin))
     if arguments.format == "csv":
         return _metrics(resolved, assessed)
     document = assessed.to_dict()
@@ -73,9 +73,10 @@ def _margin(assessed: CycleAssessment, margin: float) -> str:
     return wrapped(unmet_text(unmet, assessed.whole.not_assessed, margin) if unmet else kept)
 
 
-def _document(resolved: ResolvedCycle, assessed: CycleAssessment) -> dict[str, object]:
+def _document(resolved: ResolvedCycle, assessed: CycleAssessment, margin: float) -> dict[str, object]:
     task = {"task": resolved.task.document(), "origin": resolved.task.origin, "branch": resolved.branch.configuration}
-    return {**assessed.to_dict(), "version": __version__, **task}
+    reserve = reserve_document([assessed.whole], margin) | unmet_document(assessed.whole, margin)
+    return {**assessed.to_dict(), "version": __version__, **task, **reserve}
 
 
 def _metrics(resolved: ResolvedCycle, assessed: CycleAssessment) -> str:
@@ -95,11 +96,12 @@ def _write_folder(arguments: Namespace, resolved: ResolvedCycle, assessed: Cycle
             assessed,
             task=resolved.task,
             point_names=resolved.stops,
+            margin=arguments.margin,
             made=origin(arguments),
             units=asked_units(arguments),
         )
         (folder / "report.html").write_text(page, encoding="utf-8")
-        (folder / "cycle.json").write_text(to_json(_document(resolved, assessed)), encoding="utf-8")
+        (folder / "cycle.json").write_text(to_json(_document(resolved, assessed, arguments.margin)), encoding="utf-8")
         (folder / "metrics.csv").write_text(_metrics(resolved, assessed), encoding="utf-8")
         (folder / "samples.csv").write_text(samples_csv(assessed.whole), encoding="utf-8")
         write_joint_trajectory(folder / "trajectory.yaml", resolved.trajectory, joint_names=resolved.robot.joint_names)

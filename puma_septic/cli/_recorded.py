@@ -19,7 +19,15 @@ from puma_septic.errors import InputError
 from puma_septic.logs import JointLog, LogFit, fit_log, fit_residual, read_log
 from puma_septic.measurement import MeasuredTorque, TorqueBand, compare_measured, limit_doubts, torque_band
 from puma_septic.motion import Motion, compute_motion
-from puma_septic.report import named_metrics_csv, new_folder, profile_labels, samples_csv, to_json
+from puma_septic.report import (
+    named_metrics_csv,
+    new_folder,
+    profile_labels,
+    reserve_document,
+    samples_csv,
+    to_json,
+    unmet_document,
+)
 from puma_septic.robot import Payload, Robot, load_robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array
@@ -97,7 +105,11 @@ def run_log(arguments: Namespace) -> Answer:
     what = recorded(arguments)
     assessment = assess(what.motion, dwell=arguments.dwell or 0.0)
     measured = _measured(what)
-    document = to_json(_document(what, assessment, measured)) if arguments.format == "json" or arguments.out else ""
+    document = (
+        to_json(_document(what, assessment, measured, arguments.margin))
+        if arguments.format == "json" or arguments.out
+        else ""
+    )
     if arguments.format == "json":
         text = document
     elif arguments.format == "csv":
@@ -105,7 +117,7 @@ def run_log(arguments: Namespace) -> Answer:
     else:
         margin = [margin_text([assessment], arguments.margin)] if arguments.margin else []
         more = [wrapped(str(one)) for one in measured]
-        text = "\n\n".join([told(what), *margin, *more, *details([assessment], arguments.verbose)])
+        text = "\n\n".join([told(what), *margin, *more, *details([assessment], arguments.verbose, arguments.margin)])
     if arguments.out is not None:
         notes = [*_lines(what)[:-1], *(line for one in measured for line in str(one).splitlines())]
         _write_folder(arguments, assessment, document, notes)
@@ -208,7 +220,7 @@ def _measured(what: Recorded) -> list[MeasuredTorque]:
     ]
 
 
-def _document(what: Recorded, assessment: Assessment, measured: list[MeasuredTorque]) -> dict[str, Any]:
+def _document(what: Recorded, assessment: Assessment, measured: list[MeasuredTorque], margin: float) -> dict[str, Any]:
     fit, trajectory = what.fit, what.fit.trajectory
     residual = fit_residual(trajectory)
     return {
@@ -216,6 +228,8 @@ def _document(what: Recorded, assessment: Assessment, measured: list[MeasuredTor
         "version": __version__,
         "is_feasible": assessment.is_feasible,
         "undecided": list(assessment.undecided),
+        **reserve_document([assessment], margin),
+        **unmet_document(assessment, margin),
         "file": what.path,
         "joint_names": list(what.robot.joint_names),
         "rows": len(trajectory.times),
@@ -251,6 +265,7 @@ def _write_folder(arguments: Namespace, assessment: Assessment, document: str, n
                 assessment,
                 title=str(arguments.csv),
                 notes=notes,
+                margin=arguments.margin,
                 made=origin(arguments),
                 units=asked_units(arguments),
             ),

@@ -45,10 +45,10 @@ def assessed_text(
         parts.append(branches_text(resolved) if verbosity else wrapped(_reason(resolved)))
     if margin:
         parts.append(margin_text(assessments, margin))
-    return "\n\n".join([*parts, *details(assessments, verbosity)])
+    return "\n\n".join([*parts, *details(assessments, verbosity, margin)])
 
 
-def details(assessments: Sequence[Assessment], verbosity: int) -> list[str]:
+def details(assessments: Sequence[Assessment], verbosity: int, margin: float = 0.0) -> list[str]:
     """What each assessment has to say beside the table of profiles."""
     labels = profile_labels(assessments)
     if verbosity > 1:
@@ -63,7 +63,8 @@ def details(assessments: Sequence[Assessment], verbosity: int) -> list[str]:
         unknown = [f"Not assessed: {'; '.join(common['Not assessed'])}"] if common["Not assessed"] else []
         count = len(common["Remarks"])
         remarks = f"{count} remark{'s' if count > 1 else ''} and the tables of the joints" if count else "the tables"
-        verdicts = [f"Verdict: {documents[0]['verdict']}"] if len(documents) == 1 else []
+        apart = ", the margin apart" if margin else ""
+        verdicts = [f"Verdict{apart}: {documents[0]['verdict']}"] if len(documents) == 1 else []
         return ["\n".join(wrapped(line) for line in [*verdicts, *unknown, f"More: -v shows {remarks}, -vv all."])]
     parts = []
     for label, document in zip(labels, documents, strict=True):

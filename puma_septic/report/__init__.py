@@ -2,7 +2,7 @@
 
 from puma_septic.document import to_json
 from puma_septic.outputs import new_folder
-from puma_septic.report._documents import assess_document, numbered, profile_labels
+from puma_septic.report._documents import assess_document, numbered, profile_labels, reserve_document, unmet_document
 from puma_septic.report.csv import metrics_csv, named_metrics_csv, samples_csv
 
 __all__ = [
@@ -12,6 +12,8 @@ __all__ = [
     "new_folder",
     "numbered",
     "profile_labels",
+    "reserve_document",
     "samples_csv",
     "to_json",
+    "unmet_document",
 ]

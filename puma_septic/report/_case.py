@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, final
 
 from markupsafe import Markup
@@ -11,8 +11,9 @@ from markupsafe import Markup
 from puma_septic.assessment import Assessment
 from puma_septic.pictures import Picture
 from puma_septic.task import ResolvedTask, Task
+from puma_septic.views.checks import to_spare, unmet_html
 
-__all__ = ["Case", "DriveUse", "boxed", "titled"]
+__all__ = ["Case", "DriveUse", "boxed", "in_reserve", "titled"]
 
 
 @final
@@ -63,6 +64,8 @@ class Case:
         Of a sizing: what the first screen shows in place of the motion's own limits.
     heading : str
         What stands above the sentence instead of "feasible" or "infeasible".
+    margin : float
+        Share of each limit that has to be left, see `Assessment.keeps`.
     """
 
     title: str
@@ -81,6 +84,12 @@ class Case:
     no_replay: str = ""
     heading: str = ""
     drives: tuple[DriveUse, ...] = ()
+    margin: float = 0.0
+
+    @property
+    def keeps_margin(self) -> bool:
+        """Whether every known limit is kept with the margin that was asked for, if one was."""
+        return not self.margin or not any(one.keeps(self.margin) for one in self.assessments)
 
     @property
     def word(self) -> str:
@@ -90,6 +99,8 @@ class Case:
         if self.is_undecided or any(one.undecided for one in self.assessments):
             return "undecided"
         word = "feasible" if self.is_feasible else "infeasible"
+        if self.is_feasible:
+            word = f"{word if self.keeps_margin else 'not kept'}{to_spare(self.margin)}"
         return f"{word}, on doubtful data" if self.doubts else word
 
     @property
@@ -100,7 +111,15 @@ class Case:
     @property
     def colour(self) -> str:
         """The style of the verdict: never the colour of what is good where the data are doubtful."""
-        return "bad" if not self.is_feasible else "doubtful" if self.doubts else "good"
+        return "bad" if not (self.is_feasible and self.keeps_margin) else "doubtful" if self.doubts else "good"
+
+
+def in_reserve(case: Case, margin: float) -> Case:
+    """The section where so much of each limit has to be left, with what does not leave it in a table first."""
+    named = zip(case.labels, case.assessments, strict=True)
+    unmet = [(label, checks) for label, one in named if margin and (checks := one.keeps(margin))]
+    tables = boxed("\n".join(unmet_html(label, checks, margin) for label, checks in unmet)) if unmet else Markup("")
+    return replace(case, margin=margin, preface=tables + case.preface)
 
 
 def boxed(html: str) -> Markup:

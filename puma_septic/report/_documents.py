@@ -10,17 +10,34 @@ from puma_septic.assessment import Assessment
 from puma_septic.document import SCHEMAS
 from puma_septic.task import ResolvedTask
 
-__all__ = ["assess_document", "numbered", "profile_labels"]
+__all__ = ["assess_document", "numbered", "profile_labels", "reserve_document", "unmet_document"]
 
 
-def assess_document(tasks: Sequence[tuple[ResolvedTask, Sequence[Assessment]]]) -> dict[str, Any]:
+def assess_document(
+    tasks: Sequence[tuple[ResolvedTask, Sequence[Assessment]]], *, margin: float = 0.0
+) -> dict[str, Any]:
     """The document of assessed tasks: what was asked, so that it can be repeated, and what came out."""
+    every = [one for _, assessments in tasks for one in assessments]
     return {
         "schema": SCHEMAS["assess"],
         "version": __version__,
-        "is_feasible": all(one.is_feasible for _, assessments in tasks for one in assessments),
-        "tasks": [_task_document(resolved, assessments) for resolved, assessments in tasks],
+        "is_feasible": all(one.is_feasible for one in every),
+        **reserve_document(every, margin),
+        "tasks": [_task_document(resolved, assessments, margin) for resolved, assessments in tasks],
     }
+
+
+def reserve_document(assessments: Sequence[Assessment], margin: float) -> dict[str, Any]:
+    """What a document says of the share of each limit that has to be left: nothing where none was asked for."""
+    if not margin:
+        return {}
+    kept = not any(one.keeps(margin) or one.undecided for one in assessments)
+    return {"margin": margin, "keeps_margin": kept}
+
+
+def unmet_document(assessment: Assessment, margin: float) -> dict[str, Any]:
+    """The limits that do not leave this share, where one was asked for."""
+    return {"not_kept": [check.to_dict() for check in assessment.keeps(margin)]} if margin else {}
 
 
 def profile_labels(assessments: Sequence[Assessment]) -> list[str]:
@@ -33,7 +50,7 @@ def numbered(names: Sequence[str]) -> list[str]:
     return [name if names.count(name) == 1 else f"{name}-{names[: k + 1].count(name)}" for k, name in enumerate(names)]
 
 
-def _task_document(resolved: ResolvedTask, assessments: Sequence[Assessment]) -> dict[str, Any]:
+def _task_document(resolved: ResolvedTask, assessments: Sequence[Assessment], margin: float) -> dict[str, Any]:
     labels = profile_labels(assessments)
     return {
         "task": resolved.task.document(),
@@ -57,6 +74,7 @@ def _task_document(resolved: ResolvedTask, assessments: Sequence[Assessment]) ->
             {"joint": joint, "point": point} for joint, point in resolved.broken_in_all_branches
         ],
         "assessments": [
-            {"label": label, **assessment.to_dict()} for label, assessment in zip(labels, assessments, strict=True)
+            {"label": label, **assessment.to_dict(), **unmet_document(assessment, margin)}
+            for label, assessment in zip(labels, assessments, strict=True)
         ],
     }

@@ -30,7 +30,7 @@ from puma_septic.pictures import (
     torque_picture,
     utilisation_picture,
 )
-from puma_septic.report._case import Case
+from puma_septic.report._case import Case, in_reserve
 from puma_septic.report._rendering import render
 from puma_septic.report._sections import (
     Optimised,
@@ -100,6 +100,7 @@ def report_html(
     notes: Sequence[str] = (),
     document: Mapping[str, Any] | None = None,
     point_names: Sequence[str] = (),
+    margin: float = 0.0,
     made: Mapping[str, str] | None = None,
     units: Units = SI,
 ) -> str:
@@ -121,6 +122,8 @@ def report_html(
         Of a sizing or selection: its document with what repeats it, which stands among the inputs.
     point_names : sequence of str
         Of the points that the motions go through, for the replay of a comparison or a sizing.
+    margin : float
+        Of motions: the share of each limit that has to be left, see `Assessment.keeps`.
     made : mapping, optional
         Where the report comes from, such as the date, the file and the command line; it stands below the title.
     units : Units
@@ -146,8 +149,8 @@ def report_html(
     if title is not None:
         checked_kind("title", title, str)
     if isinstance(what, CycleAssessment):
-        return cycle_html(what, title=title)
-    case = case_of(what, title, document, point_names)
+        return cycle_html(what, title=title, margin=margin)
+    case = in_reserve(case_of(what, title, document, point_names), margin)
     if notes := checked_texts("notes", notes):
         items = Markup("").join(Markup("<li>{}</li>").format(note) for note in notes)
         case = replace(case, preface=Markup("<ul>{}</ul>").format(items) + case.preface)
@@ -240,6 +243,7 @@ def limits_html(
 def tasks_html(
     tasks: Sequence[tuple[ResolvedTask, Sequence[Assessment]]],
     *,
+    margin: float = 0.0,
     made: Mapping[str, str] | None = None,
     units: Units = SI,
 ) -> str:
@@ -252,7 +256,8 @@ def tasks_html(
     """
     if not tasks:
         raise InputError("a report needs at least one task")
-    sections = [_section(task_case(resolved, assessments), units) for resolved, assessments in tasks]
+    cases = [in_reserve(task_case(resolved, assessments), margin) for resolved, assessments in tasks]
+    sections = [_section(case, units) for case in cases]
     return _page(" and ".join(section.case.title for section in sections), sections, made)
 
 
@@ -262,11 +267,13 @@ def cycle_html(
     title: str | None = None,
     task: Task | None = None,
     point_names: Sequence[str] = (),
+    margin: float = 0.0,
     made: Mapping[str, str] | None = None,
     units: Units = SI,
 ) -> str:
     """The report of a cycle: the whole first, then each of its motions, the governing one first."""
-    sections = [_section(case, units) for case in cycle_cases(assessed, title, task, point_names)]
+    cases = [in_reserve(case, margin) for case in cycle_cases(assessed, title, task, point_names)]
+    sections = [_section(case, units) for case in cases]
     return _page(sections[0].case.title, sections, made)
 
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite, isinf
-from typing import Any
+from typing import Any, Final
 
 from puma_septic.limit_check import LimitCheck
-from puma_septic.views.tables import Cell, number, text_table
+from puma_septic.views.tables import Cell, html_table, number, text_table
 
-__all__ = ["percent", "read_checks", "unmet_text", "verdict"]
+__all__ = ["percent", "read_checks", "to_spare", "unmet_html", "unmet_text", "verdict"]
+
+_UNMET: Final = ("joint", "quantity", "demand", "limit", "unit", "t [s]", "margin")
 
 
 def read_checks(documents: Iterable[Mapping[str, Any]]) -> tuple[LimitCheck, ...]:
@@ -33,16 +35,31 @@ def verdict(words: tuple[str, str], violations: Sequence[LimitCheck], governing:
 
 def unmet_text(checks: Sequence[LimitCheck], not_assessed: Sequence[str], margin: float) -> str:
     """A table of the limits that are not kept with this margin, and what is not known."""
-    spare = f" with {100 * margin:g} % to spare" if margin else ""
+    lines = [f"{_unmet(checks, margin)}:", text_table(_UNMET, _unmet_rows(checks))]
+    lines += [f"not assessed: {line}" for line in not_assessed]
+    return "\n".join(lines)
+
+
+def unmet_html(name: str, checks: Sequence[LimitCheck], margin: float) -> str:
+    """The same table of one motion, without what is not known."""
+    return html_table(_UNMET, _unmet_rows(checks), caption=f"{name}: {_unmet(checks, margin)}")
+
+
+def to_spare(margin: float) -> str:
+    """The share of the limits that has to be left, in words; nothing of none."""
+    return f" with {100 * margin:g} % to spare" if margin else ""
+
+
+def _unmet(checks: Sequence[LimitCheck], margin: float) -> str:
     subject = "1 limit is" if len(checks) == 1 else f"{len(checks)} limits are"
-    headers = ["joint", "quantity", "demand", "limit", "unit", "t [s]", "margin"]
-    rows: list[list[Cell]] = [
+    return f"{subject} not kept{to_spare(margin)}"
+
+
+def _unmet_rows(checks: Sequence[LimitCheck]) -> list[list[Cell]]:
+    return [
         [check.joint, check.quantity, check.demand, check.limit, check.unit, check.time, _margin(check)]
         for check in checks
     ]
-    lines = [f"{subject} not kept{spare}:", text_table(headers, rows)]
-    lines += [f"not assessed: {line}" for line in not_assessed]
-    return "\n".join(lines)
 
 
 def _margin(check: LimitCheck) -> str:

@@ -574,3 +574,30 @@ def test_a_terminal_without_the_characters_shows_their_numbers(joints: str) -> N
     run = subprocess.run([*COMMAND, "assess", joints], capture_output=True, text=True, env=environment)
     assert (run.returncode, run.stderr) == (0, "")
     assert r"Gr\xf6\xdfe" in run.stdout
+
+
+@pytest.mark.parametrize("kind", ["task", "cycle"])
+def test_a_margin_is_told_alike_by_exit_code_document_and_report(
+    kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With exit code 1 for a margin that is not left, the JSON had `is_feasible` alone and the report said Feasible."""
+    moves = {
+        "task": "times: [0, 2.0]\nprofiles: [quintic]\n",
+        "cycle": "repeat: false\ncycle:\n  - {to: b, duration: 2.0, profile: quintic}\n",
+    }
+    task = tmp_path / "cell.yaml"
+    task.write_text(
+        "name: cell\nrobot: {source: puma560}\npoints:\n  - {name: a, joints: [0.0, 0.6, -2.2, 0.0, 0.3, 0.0]}\n"
+        f"  - {{name: b, joints: [1.2, 1.0, -2.4, 0.0, 0.6, 0.0]}}\n{moves[kind]}"
+    )
+    for margin, kept in (("0.1", True), ("0.5", False)):
+        folder = tmp_path / margin
+        arguments = ["assess", str(task), "--margin", margin, "--format", "json", "--no-png", "--out", str(folder)]
+        assert main(arguments) == (0 if kept else 1)
+        document = json.loads(capsys.readouterr().out)
+        assert (document["margin"], document["keeps_margin"]) == (float(margin), kept)
+        unmet = document["not_kept"] if kind == "cycle" else document["tasks"][0]["assessments"][0]["not_kept"]
+        assert bool(unmet) != kept
+        assert document == json.loads(next(folder.glob("*.json")).read_text())
+        word = f"{'Feasible' if kept else 'Not kept'} with {100 * float(margin):g} % to spare"
+        assert f'<p class="word">{word}</p>' in (folder / "report.html").read_text()

@@ -9,8 +9,10 @@ from typing import Final, final
 import numpy as np
 import pinocchio as pin
 
+from puma_septic.assessment import assess
 from puma_septic.dynamics import check_inertia, check_plain_friction, check_uncoupled, rigid_torque
 from puma_septic.errors import InputError
+from puma_septic.limit_check import AT_LIMIT
 from puma_septic.limits._demands import values_beside
 from puma_septic.motion import Motion
 from puma_septic.piecewise import Piecewise
@@ -40,7 +42,7 @@ class TorqueUncertainty:
     parameters : tuple of str
         "joint2 m", "joint2 m c_x", "joint2 rotor", "joint2 viscous" ...
     nominal : ndarray, shape (n_joints,)
-        Peaks with the data as they are, N m (N).
+        Peaks with the data as they are, N m (N); infinite, as the others, where a velocity steps.
     greatest, least : ndarray, shape (n_joints,)
         The greatest peak with every parameter within its tolerance, exact and attained; and a bound of the least one:
         at the instant of the nominal peak no parameters make the torque smaller.
@@ -68,9 +70,9 @@ class TorqueUncertainty:
         """Of each joint: "feasible" or "infeasible" whatever the data within their tolerances, "open", "unknown"."""
         words = []
         for low, high, limit in zip(self.least, self.greatest, self.motion.robot.limits.effort, strict=True):
-            unknown = bool(np.isnan(limit))
+            unknown, most = bool(np.isnan(limit)) and np.isfinite(low), limit * (1 + AT_LIMIT)
             words.append(
-                "unknown" if unknown else "feasible" if high <= limit else "infeasible" if low > limit else "open"
+                "unknown" if unknown else "feasible" if high <= most else "open" if low <= most else "infeasible"
             )
         return tuple(words)
 
@@ -160,6 +162,13 @@ def torque_uncertainty(
     quantiles = np.quantile(whole.peaks(drawn)[0], _LEVELS, axis=0)
     at_peak = np.array([_row(parts, j, t, nominal) for j, t in enumerate(peak[1].tolist())])
     least = np.maximum(np.abs(at_peak @ nominal) - np.abs(at_peak) @ width, 0.0)
+    # A step of velocity takes an infinite torque whatever the data: the parts are what lies beside it.
+    assessed = assess(motion)
+    unbounded = np.isinf(assessed.peak_torque)
+    time = np.where(unbounded, assessed.peak_torque_time, time)
+    peak[0], greatest, least, quantiles = (
+        np.where(unbounded, np.inf, size) for size in (peak[0], greatest, least, quantiles)
+    )
     return TorqueUncertainty(
         motion=motion,
         parameters=names,

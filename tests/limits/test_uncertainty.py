@@ -93,3 +93,14 @@ def test_messages(rod: ps.Robot) -> None:
         ps.torque_uncertainty(motion, mass=-1.0)
     with pytest.raises(ps.InputError, match="samples = 0"):
         ps.torque_uncertainty(motion, mass=0.1, samples=0)
+
+
+def test_a_step_of_velocity_is_infeasible_whatever_the_data(rod: ps.Robot) -> None:
+    """The torque beside the steps was held against the limit: feasible, where an assessment has no bound."""
+    motion = ps.compute_motion(rod, ps.profiles.linear([[-0.1], [0.1]], [0.0, 10.0]))
+    doubt = ps.torque_uncertainty(motion, mass=0.01)
+    assert doubt.verdicts == ("infeasible",)
+    assert doubt.deciding == ()
+    assert np.isinf([doubt.nominal, doubt.least, doubt.greatest]).all()
+    within = ps.compute_motion(rod, ps.profiles.linear([[-0.1], [0.1]], [0.0, 10.0]).excerpt)
+    assert ps.torque_uncertainty(within, mass=0.01).verdicts == ("feasible",)

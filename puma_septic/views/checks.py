@@ -9,7 +9,7 @@ from typing import Any, Final
 from puma_septic.limit_check import LimitCheck
 from puma_septic.views.tables import Cell, html_table, number, text_table
 
-__all__ = ["percent", "read_checks", "to_spare", "unmet_html", "unmet_text", "verdict"]
+__all__ = ["percent", "read_checks", "to_spare", "unmet_html", "unmet_text", "used", "verdict"]
 
 _UNMET: Final = ("joint", "quantity", "demand", "limit", "unit", "t [s]", "margin")
 
@@ -22,6 +22,11 @@ def read_checks(documents: Iterable[Mapping[str, Any]]) -> tuple[LimitCheck, ...
 def percent(utilisation: float, digits: int = 0) -> str:
     """A utilisation as text."""
     return "unbounded" if isinf(utilisation) else f"{100 * utilisation:z.{digits}f} %"
+
+
+def used(check: LimitCheck) -> str:
+    """What is used of a limit; "violated" where that is no share, as of a height below the floor."""
+    return "violated" if isfinite(check.demand) and isinf(check.utilisation) else percent(check.utilisation)
 
 
 def verdict(words: tuple[str, str], violations: Sequence[LimitCheck], governing: LimitCheck | None) -> str:

@@ -9,7 +9,7 @@ from typing import Any, Final
 from puma_septic.document import numeric
 from puma_septic.limit_check import LimitCheck
 from puma_septic.views import assessment
-from puma_septic.views.checks import percent
+from puma_septic.views.checks import used
 from puma_septic.views.tables import Cell, html_table, text_table
 
 __all__ = ["head", "html", "steps_html", "steps_text", "text"]
@@ -60,4 +60,4 @@ def _rows(document: Document) -> list[list[Cell]]:
 
 
 def _use(check: LimitCheck) -> str:
-    return f"{check.joint} {check.label} {percent(check.utilisation)}"
+    return f"{check.joint} {check.label} {used(check)}"

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import isfinite, isinf
 from typing import Any, Final
 
 from puma_septic.document import numeric
 from puma_septic.limit_check import HEIGHT, LimitCheck
-from puma_septic.views.checks import percent, read_checks
+from puma_septic.views.checks import percent, read_checks, used
 from puma_septic.views.tables import Cell, html_table, number, text_table
 from puma_septic.views.units import SI, Units
 
@@ -71,8 +70,7 @@ def _row(document: Document, label: str) -> list[Cell]:
     governing = "none known"
     if document["governing"] is not None:
         worst = LimitCheck.from_dict(document["governing"])
-        use = "violated" if isfinite(worst.demand) and isinf(worst.utilisation) else percent(worst.utilisation)
-        governing = f"{worst.joint} {worst.label} {use}"
+        governing = f"{worst.joint} {worst.label} {used(worst)}"
     overshoot = max(numeric(joint["overshoot"]) for joint in document["joints"])
     return [
         label,
@@ -99,8 +97,8 @@ def _checks(document: Document) -> list[LimitCheck]:
 
 
 def _most(document: Document, quantity: str) -> str:
-    used = [check.utilisation for check in _checks(document) if check.quantity == quantity]
-    return percent(max(used)) if used else "not known"
+    shares = [check.utilisation for check in _checks(document) if check.quantity == quantity]
+    return percent(max(shares)) if shares else "not known"
 
 
 def _which(good: Sequence[str], labels: Sequence[str]) -> str:

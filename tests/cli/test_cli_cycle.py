@@ -149,3 +149,18 @@ def test_what_a_doubtful_verdict_rests_on_is_told(tmp_path: Path, capsys: pytest
     assert main(["assess", str(tmp_path / "cell" / "cell.yaml")]) == 0
     text = " ".join(capsys.readouterr().out.split())
     assert "Doubtful data: doubtful torque: radius of gyration too large: wrist_1_link" in text
+
+
+def test_a_floor_is_violated_not_unbounded(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A height below the floor is no share of it: the table of steps called it unbounded."""
+    task = tmp_path / "cell.yaml"
+    task.write_text(
+        "name: cell\nrobot: {source: puma560}\nfloor: 0.7\nrepeat: false\npoints:\n"
+        "  - {name: a, joints: [0.0, 0.6, -2.2, 0.0, 0.3, 0.0]}\n"
+        "  - {name: b, joints: [1.2, 1.0, -2.4, 0.0, 0.6, 0.0]}\n"
+        "cycle:\n  - {to: b, duration: 2.0, profile: quintic}\n"
+    )
+    assert main(["assess", str(task)]) == 1
+    out = capsys.readouterr().out
+    assert "joint2 height violated" in out
+    assert "unbounded" not in out

@@ -20,7 +20,7 @@ from puma_septic.cli._arguments import (
     left_by_margin,
 )
 from puma_septic.cli._output_arguments import add_format, add_out, asked_units, origin, with_report
-from puma_septic.cli._parser import Answer
+from puma_septic.cli._parser import UNDECIDED, Answer
 
 if TYPE_CHECKING:
     from puma_septic.optimisation import LeastTime, OptimisedTimes, ParetoFront
@@ -40,7 +40,8 @@ Choose the via times of a task (the paper's by default) for its total time.
 Minimises one objective, or computes the Pareto front of two or three. The objective 'duration' chooses the total time
 as well: the least within all known limits of the robot, or within those named by --respect. What is found is assessed
 in full, and violated limits are named. Exit code: 0 every motion shown keeps all known limits, 1 one of them
-violates a limit, 2 bad input or no motion keeps the limits to respect."""
+violates a limit, 2 bad input or no motion keeps the limits to respect, 3 undecided: the units of the points leave it
+open."""
 
 EXAMPLES = """optimise task.yaml --objective duration
 optimise task.yaml --objective rms_torque --write best.yaml
@@ -100,6 +101,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> Answer:
     """The via times of one profile, by one, two or three objectives, or for the least time."""
+    from puma_septic.assessment import assess
     from puma_septic.document import records_csv
     from puma_septic.errors import InputError
     from puma_septic.report import to_json
@@ -112,15 +114,21 @@ def run(arguments: Namespace) -> Answer:
     resolved = left_by_margin(resolve_task(task), arguments)
     with _progress() as progress:
         result = _optimised(resolved, arguments, progress)
-    document = to_json(result.to_dict())
+    doubts = assess(resolved.robot, resolved.trajectories[0]).undecided
+    found = result.to_dict()
+    if doubts:
+        found |= {"undecided": list(doubts)} | ({"is_feasible": False} if "is_feasible" in found else {})
+    document = to_json(found)
+    code = UNDECIDED if doubts else 0 if _is_feasible(result) else 1
     if arguments.out is not None:
         _write_folder(arguments, result, document, resolved)
     if arguments.write is not None:
         _write_optimum(arguments, resolved, result)
     if arguments.format == "csv":
-        return Answer(records_csv(_records(result.to_dict())), 0 if _is_feasible(result) else 1)
-    text = document if arguments.format == "json" else f"Task {task.name!r}{in_reserve(arguments)}\n{result}"
-    return Answer(with_report(text, arguments), 0 if _is_feasible(result) else 1)
+        return Answer(records_csv(_records(result.to_dict())), code)
+    head = "".join([f"Task {task.name!r}{in_reserve(arguments)}", *(f"\nUndecided: {doubt}" for doubt in doubts)])
+    text = document if arguments.format == "json" else f"{head}\n{result}"
+    return Answer(with_report(text, arguments), code)
 
 
 def _check_write(arguments: Namespace) -> None:

@@ -60,6 +60,8 @@ def answer(arguments: Namespace) -> Answer:
     reserves = _reserves(found) if arguments.reserves else {}
     front = {"front": front_document(found.front())} if arguments.front and isinstance(found, Selection) else {}
     document = {**asked.document, **own, "conditions": conditions, **reserves, **front, "inputs": _inputs(arguments)}
+    if asked.code:
+        document |= {"is_feasible": False, "verdict": f"undecided; else {own['verdict']}"}
     if arguments.out is not None:
         _write_folder(arguments, found, document, asked)
     text = with_report(_text(arguments, asked, found, document), arguments)

@@ -330,3 +330,27 @@ def test_the_report_of_an_optimum_knows_the_cell(tmp_path: Path, capsys: pytest.
     arguments = ["optimise", str(task), "--objective", "duration", "--no-png", "--out", str(folder)]
     printed(arguments, capsys)
     assert "governing: tool speed" in (folder / "report.html").read_text()
+
+
+DEGREES = """<robot name="p"><link name="a"/><link name="b"><inertial><mass value="1"/><origin xyz="0.1 0 0"/>
+<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 -1 0"/>
+<limit effort="20" velocity="100" lower="0" upper="0"/></joint></robot>"""
+
+
+def test_points_that_may_be_degrees_leave_optimise_undecided(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`assess` asked whether 90 rad are degrees, exit code 3; `optimise` called the same points feasible, with 0."""
+    (tmp_path / "p.urdf").write_text(DEGREES)
+    task = tmp_path / "p.yaml"
+    task.write_text(
+        "name: p\nrobot: {source: p.urdf}\npoints: [{joints: [0]}, {joints: [45]}, {joints: [90]}]\n"
+        "times: [0, 5, 10]\nprofiles: [quintic_spline]\n"
+    )
+    for objective in ("duration", "integral_of_squared_jerk"):
+        arguments = ["optimise", str(task), "--objective", objective, "--restarts", "0"]
+        assert "\nUndecided: points in degrees? j reaches 90 rad" in printed(arguments, capsys, 3)
+        document = json.loads(printed([*arguments, "--format", "json"], capsys, 3))
+        assert document["undecided"]
+        assert not document.get("is_feasible", False)

@@ -267,3 +267,17 @@ def test_a_task_in_degrees_is_questioned_by_every_command(
     )
     assert main([command[0], str(task), *command[1:]]) == 3
     assert "points in degrees? joint1 reaches 90 rad" in " ".join(capsys.readouterr().out.split())
+
+
+def test_an_open_question_is_no_verdict_of_a_sizing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """With exit code 3 for points in degrees, the document said `is_feasible` and "strong enough"."""
+    task = tmp_path / "degrees.yaml"
+    task.write_text(
+        "name: degrees\nrobot: {source: puma560}\npoints:\n  - {joints: [0, 40, -130, 0, 10, 0]}\n"
+        "  - {joints: [20, 40, -130, 0, 10, 0]}\ntimes: [0, 400]\nprofiles: [quintic]\n"
+    )
+    code, out, _ = ask(capsys, str(task), "--format", "json")
+    document = json.loads(out)
+    assert (code, document["is_feasible"]) == (3, False)
+    assert document["verdict"].startswith("undecided; else strong enough as far as is known")
+    assert document["undecided"][0].startswith("points in degrees? joint3 reaches 130 rad")

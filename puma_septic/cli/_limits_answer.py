@@ -46,6 +46,7 @@ def answer(arguments: Namespace) -> Answer:
         "robot": resolved.robot.name,
         "joint_names": list(resolved.robot.joint_names),
         "profiles": [{"label": label, **one.to_dict()} for label, one in zip(labels, found, strict=True)],
+        **_left_to_sizing(resolved),
     }
     if arguments.reference:
         for motion, one in zip(motions, document["profiles"], strict=True):
@@ -58,6 +59,15 @@ def answer(arguments: Namespace) -> Answer:
     if any(one.undecided for one in assessments):
         return Answer(text, UNDECIDED)
     return Answer(text, 0 if all(one.fastest and not one.fastest.reason for one in found) else 1)
+
+
+def _left_to_sizing(resolved: ResolvedTask) -> dict[str, list[str]]:
+    """What the task says of its drives, which is held by a sizing alone."""
+    conditions = resolved.task.conditions
+    named = [] if conditions is None else sorted(conditions.model_fields_set)
+    if not named:
+        return {}
+    return {"not_assessed": [f"the task's conditions ({', '.join(named)}): size --reserves holds the drives to them"]}
 
 
 def _write_folder(

@@ -26,7 +26,9 @@ def payload_picture(found: Sequence[MotionLimits], labels: Sequence[str]) -> Pic
             dot = Dot(shape="point", hue=PROFILES[k % len(PROFILES)])
             marks.append(Mark(x=one.motion.trajectory.duration, y=one.heaviest.mass, dot=dot))
     title = "largest payload"
-    panel = saying(title, "No payload keeps the limits at any duration that is shown.")
+    is_any = any(np.isinf(one.masses[:, 1]).any() for one in found)
+    none = "No payload keeps the limits at any duration that is shown."
+    panel = saying(title, "No known limit bears the payload." if is_any else none)
     if curves:
         panel = chart("still", curves, title=title, x_label="duration [s]", y_label="payload [kg]", marks=marks)
     return Picture(name="payload", title="Payload over duration", panels=(panel,), columns=1, legend=tuple(legend))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
+from math import inf
 from typing import Any, Final
 
 from puma_septic.document import csv_text, numeric
@@ -30,6 +31,8 @@ def sentence(document: Document) -> str:
             f"Quickest: {best['label']} in {number(fast['duration'])} s instead of {number(best['duration'])} s;"
             f" {_stopper(fast['governing'])} stops it."
         )
+    if not strong and any(map(_bears_any, document["profiles"])):
+        return f"{said} No known limit bears the payload."
     if not strong:
         return f"{said} None keeps the limits with any payload at its own duration."
     best = max(strong, key=lambda one: numeric(one["heaviest"]["mass"]))
@@ -54,12 +57,14 @@ def html(document: Document) -> str:
     """The table and its reasons as a page has them; every text is escaped."""
     table = html_table(_HEADERS, [_row(one) for one in document["profiles"]], caption="How fast, how heavy")
     notes = [f"{one['label']}: {note}" for one in document["profiles"] for note in _notes(one)]
+    notes += [f"Not assessed: {line}" for line in document.get("not_assessed", ())]
     items = "".join(f"<li>{escape(note)}</li>" for note in notes)
     return table + (f"<ul>{items}</ul>" if notes else "")
 
 
 def _unknown(document: Document) -> list[str]:
-    return list(dict.fromkeys(line for one in document["profiles"] for line in _not_assessed(one)))
+    of_profiles = (line for one in document["profiles"] for line in _not_assessed(one))
+    return list(dict.fromkeys([*of_profiles, *document.get("not_assessed", ())]))
 
 
 def _row(one: Document) -> list[Cell]:
@@ -69,9 +74,14 @@ def _row(one: Document) -> list[Cell]:
         number(one["duration"]),
         "none" if fast is None or fast["reason"] else number(fast["duration"], 5),
         "" if fast is None or fast["reason"] else _stopper(fast["governing"]),
-        "none" if heavy is None else number(heavy["mass"], 5),
+        number(heavy["mass"], 5) if heavy is not None else "any" if _bears_any(one) else "none",
         "" if heavy is None else _stopper(heavy["governing"]),
     ]
+
+
+def _bears_any(one: Document) -> bool:
+    """Whether no known limit bears the payload, at no duration."""
+    return any(numeric(most) == inf for _, most in one["masses"])
 
 
 def _stopper(check: Document) -> str:

@@ -73,3 +73,47 @@ def test_the_folder_has_a_report_like_the_others(tmp_path: Path, capsys: pytest.
     assert "command: puma-septic limits paper-turned --profile septic" in page
     assert "<h3>Payload over duration</h3>" in page
     assert page.index("Quickest") < page.index('class="matrix"') < page.index("what stops it") < page.index("Inputs")
+
+
+POINTS = """points:
+  - {joints: [0.0, 0.6, -2.2, 0.0, 0.3, 0.0]}
+  - {joints: [1.2, 1.0, -2.4, 0.0, 0.6, 0.0]}
+times: [0, 2.0]
+profiles: [quintic]
+"""
+
+
+def test_what_a_task_says_of_its_drives_is_not_passed_over(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`size` held the drives to the task's conditions; the least duration was told without a word of them."""
+    task = tmp_path / "cell.yaml"
+    task.write_text(f"name: cell\nrobot: {{source: puma560}}\n{POINTS}conditions: {{peak_current: 0.1}}\n")
+    assert main(["limits", str(task)]) == 0
+    told = "the task's conditions (peak_current): size --reserves holds the drives to them"
+    assert told in " ".join(capsys.readouterr().out.split())
+    folder = tmp_path / "out"
+    assert main(["limits", str(task), "--format", "json", "--no-png", "--out", str(folder)]) == 0
+    assert json.loads(capsys.readouterr().out)["not_assessed"] == [told]
+    assert "(peak_current)" in (folder / "report.html").read_text()
+
+
+def test_a_payload_that_no_known_limit_bears_leaves_the_duration(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Without effort limits "any mass will do" was an error, exit code 2, that took the least duration with it."""
+    urdf = tmp_path / "p.urdf"
+    urdf.write_text(
+        '<robot name="p"><link name="a"/><link name="b"><inertial><mass value="1"/><origin xyz="0.1 0 0"/>'
+        '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+        '<joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 -1 0"/>'
+        '<limit effort="0" velocity="2" lower="-3" upper="3"/></joint></robot>'
+    )
+    task = tmp_path / "p.yaml"
+    task.write_text(
+        "name: p\nrobot: {source: p.urdf}\npoints: [{joints: [0]}, {joints: [1]}]\ntimes: [0, 2]\nprofiles: [quintic]\n"
+    )
+    assert main(["limits", str(task), "--out", str(tmp_path / "out"), "--no-png"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "Quickest: quintic in 0.9375 s" in out
+    assert "No known limit bears the payload." in out
+    assert "j velocity at 0.4688 s any" in out
+    assert "No payload keeps the limits" not in (tmp_path / "out" / "report.html").read_text()

@@ -11,21 +11,23 @@ from os import PathLike
 from numpy.typing import ArrayLike
 
 from puma_septic.assessment import Assessment, LimitCheck
+from puma_septic.cycle import CycleAssessment
 from puma_septic.doctor import CODES, examine
 from puma_septic.errors import InputError
 from puma_septic.gate import START_TOLERANCE, check_trajectory
-from puma_septic.paths import ToolLimits
+from puma_septic.limit_check import HEIGHT
+from puma_septic.paths import TOOL, TOOL_QUANTITIES, ToolLimits
 from puma_septic.quantities import QUANTITIES
 from puma_septic.robot import Robot
 from puma_septic.ros import read_joint_trajectories
-from puma_septic.validation import checked_choice
+from puma_septic.validation import checked_choice, checked_kind
 from puma_septic.views.checks import unmet_text
 
 __all__ = ["assert_feasible", "assert_sound_model", "assert_trajectory_ok"]
 
 
 def assert_feasible(
-    assessment: Assessment, margin: float = 0.0, *, ignore: Iterable[str | tuple[str, str]] = ()
+    assessment: Assessment | CycleAssessment, margin: float = 0.0, *, ignore: Iterable[str | tuple[str, str]] = ()
 ) -> None:
     """Fail unless every known limit is kept, with something to spare.
 
@@ -35,12 +37,14 @@ def assert_feasible(
 
     Parameters
     ----------
-    assessment : Assessment
+    assessment : Assessment or CycleAssessment
+        Of a cycle the whole counts, rests included.
     margin : float
         Share of each limit that must be left, from 0 to 1.
     ignore : iterable of str or (str, str)
         What may fail: a joint's name (all its limits), a quantity of all joints ("position", "velocity",
-        "acceleration", "jerk", "effort"), or a pair (joint, quantity).
+        "acceleration", "jerk", "effort"), or a pair (joint, quantity). What the cell asks is ignored by its own name
+        alone: "tool", or a pair such as ("tool", "jerk"), and "height" of the floor.
 
     Raises
     ------
@@ -58,12 +62,13 @@ def assert_feasible(
     >>> assert_feasible(ps.assess(ps.load_robot(), move), margin=0.2)
     """
     __tracebackhide__ = True  # pytest then points at the caller's line
-    ignored = _ignored(assessment, ignore)
-    failed = [check for check in assessment.keeps(margin) if ignored.isdisjoint(_names(check))]
+    judged = assessment.whole if isinstance(assessment, CycleAssessment) else assessment
+    ignored = _ignored(checked_kind("assessment", judged, Assessment), ignore)
+    failed = [check for check in judged.keeps(margin) if ignored.isdisjoint(_names(check))]
     if failed:
-        raise AssertionError(unmet_text(failed, assessment.not_assessed, margin))
-    if assessment.undecided:
-        raise AssertionError("undecided: " + "; ".join(assessment.undecided))
+        raise AssertionError(unmet_text(failed, judged.not_assessed, margin))
+    if judged.undecided:
+        raise AssertionError("undecided: " + "; ".join(judged.undecided))
 
 
 def assert_trajectory_ok(
@@ -167,7 +172,11 @@ def assert_sound_model(robot: Robot, *, allow: Iterable[str] = ()) -> None:
 
 
 def _names(check: LimitCheck) -> set[str | tuple[str, str]]:
-    """What a check can be ignored by."""
+    """What a check can be ignored by: those of tool and floor are no joint's, whatever their quantity is called."""
+    if check.quantity == HEIGHT:
+        return {HEIGHT}
+    if check.joint == TOOL:
+        return {TOOL, (TOOL, check.quantity)}
     return {check.joint, check.quantity, (check.joint, check.quantity)}
 
 
@@ -179,10 +188,10 @@ def _ignored(assessment: Assessment, ignore: Iterable[str | tuple[str, str]]) ->
     joints = assessment.motion.robot.joint_names
     for name in names:
         if isinstance(name, str):
-            checked_choice("joint or quantity in ignore", name, [*joints, *QUANTITIES])
+            checked_choice("joint or quantity in ignore", name, [*joints, *QUANTITIES, TOOL, HEIGHT])
         elif isinstance(name, tuple) and len(name) == 2:
-            checked_choice("joint in ignore", name[0], joints)
-            checked_choice("quantity in ignore", name[1], QUANTITIES)
+            checked_choice("joint in ignore", name[0], [*joints, TOOL])
+            checked_choice("quantity in ignore", name[1], TOOL_QUANTITIES if name[0] == TOOL else QUANTITIES)
         else:
             raise InputError(f"ignore: expected a joint, a quantity or a pair (joint, quantity), got {name!r}")
     return names

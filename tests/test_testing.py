@@ -123,3 +123,28 @@ def test_a_misspelt_ignore_is_refused(motion: ps.Motion, ignore, message: str) -
 def test_a_margin_is_a_share(motion: ps.Motion, margin: float, message: str) -> None:
     with pytest.raises(ps.InputError, match=message):
         assert_feasible(ps.assess(motion), margin)
+
+
+def test_what_the_cell_asks_is_no_quantity_of_the_joints(motion: ps.Motion) -> None:
+    """`ignore=["jerk"]` let the tool's jerk go, and a joint's name the floor where that joint was the lowest part."""
+    tool = ps.paths.ToolLimits(jerk=0.1)
+    judged = ps.assess(motion, tool_limits=tool, floor=2.0)
+    lowest = judged.lowest.part
+    with pytest.raises(AssertionError, match=r"2 limits are not kept"):
+        assert_feasible(judged, ignore=["jerk", "acceleration", lowest])
+    with pytest.raises(AssertionError, match=r"1 limit is not kept"):
+        assert_feasible(judged, ignore=["height"])
+    assert_feasible(judged, ignore=["tool", "height"])
+    assert_feasible(judged, ignore=[("tool", "jerk"), "height"])
+    with pytest.raises(ps.InputError, match="quantity in ignore"):
+        assert_feasible(judged, ignore=[("tool", "effort")])
+
+
+def test_a_cycle_is_judged_as_a_whole(motion: ps.Motion) -> None:
+    """A cycle ended in an AttributeError."""
+    cycle = ps.assess_cycle(ps.cycle.with_return(motion, dwell=0.5))
+    assert_feasible(cycle, margin=0.25)
+    with pytest.raises(AssertionError, match="1 limit is not kept with 30 % to spare"):
+        assert_feasible(cycle, margin=0.3)
+    with pytest.raises(ps.InputError, match="assessment"):
+        assert_feasible(motion)  # type: ignore[arg-type]

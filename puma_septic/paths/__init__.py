@@ -5,10 +5,11 @@ from puma_septic.paths._joint_path import JointPath, follow
 from puma_septic.paths._move import at_speed, in_time, timed, tool_move
 from puma_septic.paths._path import Path
 from puma_septic.paths._polyline import polyline
-from puma_septic.paths._tool import TOOL, ToolLimits, ToolRates, tool_rates
+from puma_septic.paths._tool import TOOL, TOOL_QUANTITIES, ToolLimits, ToolRates, tool_rates
 
 __all__ = [
     "TOOL",
+    "TOOL_QUANTITIES",
     "JointPath",
     "Path",
     "ToolLimits",

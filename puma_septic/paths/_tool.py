@@ -16,7 +16,7 @@ from puma_septic.robot import Robot
 from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_array, checked_choice, checked_kind, checked_number
 
-__all__ = ["TOOL", "ToolLimits", "ToolRates", "tool_rates"]
+__all__ = ["TOOL", "TOOL_QUANTITIES", "ToolLimits", "ToolRates", "tool_rates"]
 
 TOOL: Final = "tool"
 """What stands in place of a joint where the tool is held to its limits."""
@@ -28,6 +28,8 @@ _QUANTITIES: Final = {
     "jerk": (2, 3, "m/s^3"),
     "angular speed": (3, 1, "rad/s"),
 }
+TOOL_QUANTITIES: Final = tuple(_QUANTITIES)
+"""What limits of the tool are of, as checks call it."""
 
 
 @final

@@ -14,7 +14,7 @@ from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.document import SCHEMAS, to_json
 from puma_septic.errors import InputError, NoSolution
 from puma_septic.limits import MotionLimits, motion_limits
-from puma_septic.motion import Motion, compute_motion
+from puma_septic.motion import compute_motion
 from puma_septic.paths import ToolLimits
 from puma_septic.pictures.limits import payload_picture
 from puma_septic.report import new_folder, profile_labels
@@ -49,8 +49,8 @@ def answer(arguments: Namespace) -> Answer:
         **_left_to_sizing(resolved),
     }
     if arguments.reference:
-        for motion, one in zip(motions, document["profiles"], strict=True):
-            one["reference"] = _reference(motion, resolved.tool_limits)
+        for limits, one in zip(found, document["profiles"], strict=True):
+            one["reference"] = _reference(limits, resolved.tool_limits)
     texts = {"text": view.text, "json": to_json, "csv": view.csv}
     text = texts[arguments.format](document)
     if arguments.out is not None:
@@ -95,13 +95,15 @@ def _write_folder(
             write_png(folder, pictures)
 
 
-def _reference(motion: Motion, tool_limits: ToolLimits | None) -> dict[str, Any]:
+def _reference(limits: MotionLimits, tool_limits: ToolLimits | None) -> dict[str, Any]:
     """The time-optimal motion along the same path, or why there is none."""
     from puma_septic.optimum import time_optimal
 
     if tool_limits is not None:
         return {"reason": "the reference knows no limits of the tool"}
+    if limits.why_not_fastest:  # the floor or a dwell, too, which the reference does not know either
+        return {"reason": limits.why_not_fastest}
     try:
-        return {"reason": "", **time_optimal(motion).to_dict()}
+        return {"reason": "", **time_optimal(limits.motion).to_dict()}
     except (InputError, NoSolution) as error:
         return {"reason": str(error)}

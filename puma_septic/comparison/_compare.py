@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from puma_septic.assessment import Assessment
 from puma_septic.comparison._advice import make_profiles
 from puma_septic.comparison._comparison import ComparedProfile, Comparison, Gap, Reference
 from puma_septic.errors import InputError, NoSolution
+from puma_septic.limit_check import AT_LIMIT
 from puma_septic.motion import Motion
 from puma_septic.objectives import Candidate, checked_objectives
 from puma_septic.paths import ToolLimits
@@ -122,9 +125,24 @@ def compare(
     return Comparison(points=vias, times=instants, profiles=rows, unsuitable=unsuitable, objectives=chosen, own=shown)
 
 
+def _hopeless(assessment: Assessment) -> str:
+    """What a reference does not know and no duration mends, the floor and the rest after the motion; else empty."""
+    floor = assessment.floor_check
+    if floor is not None and floor.is_violated:
+        return f"{floor}; that is violated at any speed"
+    if not assessment.dwell:
+        return ""
+    robot, hold = assessment.motion.robot, np.abs(assessment.holding_torque)
+    beyond = np.flatnonzero(hold > robot.limits.effort * (1 + AT_LIMIT))
+    names = ", ".join(robot.joint_names[j] for j in beyond)
+    return f"the rest after the motion takes more than the effort limit of {names}" if names else ""
+
+
 def _gap(candidate: Candidate, reference: Callable[[Motion], Reference]) -> Gap:
     if candidate.tool_limits is not None:
         return Gap(reason="the reference knows no limits of the tool")
+    if why := _hopeless(candidate.assessment):
+        return Gap(reason=f"no stretch of time helps: {why}")
     try:
         found = reference(candidate.motion)
     except (InputError, NoSolution) as error:

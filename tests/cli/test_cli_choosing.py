@@ -354,3 +354,25 @@ def test_points_that_may_be_degrees_leave_optimise_undecided(
         document = json.loads(printed([*arguments, "--format", "json"], capsys, 3))
         assert document["undecided"]
         assert not document.get("is_feasible", False)
+
+
+@pytest.mark.parametrize(
+    ("asked", "why"),
+    [("floor: 1.0", "below the floor at 1 m; that is violated at any speed"), ("dwell: 1.0", "effort limit of joint2")],
+)
+def test_a_reference_is_none_where_no_duration_helps(
+    asked: str, why: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A least duration stood beside a profile that breaks the floor, or cannot be held in the dwell, at any."""
+    task = tmp_path / "down.yaml"
+    task.write_text(
+        "name: down\nrobot: {source: puma560}\npoints:\n  - {joints: [0, 0.9, -2.2, 0, 0.3, 0]}\n"
+        "  - {joints: [0.1, 0.3, -2.2, 0, 0.3, 0]}\ntimes: [0, 4.0]\nprofiles: [quintic]\n"
+        f"payload: {{mass: 3.0, com: [0, 0, 0.1]}}\nlimits: {{effort: [56, 66, 52, 10, 10, 10]}}\n{asked}\n"
+    )
+    arguments = ["compare", str(task), "--profile", "quintic", "--reference", "--format", "json"]
+    gap = json.loads(printed(arguments, capsys))["profiles"][0]["gap"]
+    assert why in gap["reason"]
+    main(["limits", str(task), "--reference", "--format", "json"])
+    one = json.loads(capsys.readouterr().out)["profiles"][0]
+    assert one["reference"]["reason"] == one["why_not_fastest"] != ""

@@ -290,6 +290,11 @@ def in_reserve(arguments: Namespace) -> str:
     return f"; {share} of the limits of joints and tool kept in reserve" if arguments.margin else ""
 
 
+def reserve(arguments: Namespace) -> dict[str, float]:
+    """What a document says of ``--margin``: the share of the limits that its answers leave; nothing where none is."""
+    return {"margin": arguments.margin} if arguments.margin else {}
+
+
 def left_by_margin(resolved: ResolvedTask, arguments: Namespace) -> ResolvedTask:
     """The task with what ``--margin`` leaves of its limits, for answers that are found within them."""
     if not arguments.margin:

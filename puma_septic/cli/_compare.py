@@ -16,6 +16,7 @@ from puma_septic.cli._arguments import (
     asked_task,
     in_reserve,
     left_by_margin,
+    reserve,
     with_margin,
 )
 from puma_septic.cli._output_arguments import add_format, add_out, add_verbose, asked_units, origin, with_report
@@ -91,9 +92,9 @@ def run(arguments: Namespace) -> Answer:
         head = f"Task {resolved.task.name!r}, robot {resolved.robot.name!r}, {resolved.times[-1]:g} s"
     code = UNDECIDED if any(row["undecided"] for row in comparison.to_dict()["profiles"]) else 0
     if arguments.out is not None:
-        _write_folder(arguments, comparison, f"{title}: profiles compared", names)
+        _write_folder(arguments, comparison, f"{title}: profiles compared{in_reserve(arguments)}", names)
     if arguments.format == "json":
-        return Answer(to_json(comparison.to_dict()), code)
+        return Answer(to_json(comparison.to_dict() | reserve(arguments)), code)
     if arguments.format == "csv":
         return Answer(comparison.to_csv(), code)
     from puma_septic.views.comparison import short_text, text
@@ -113,7 +114,7 @@ def _write_folder(arguments: Namespace, comparison: Comparison, title: str, name
     from puma_septic.report.svg import write_svg
 
     with new_folder(arguments.out, overwrite=arguments.force) as folder:
-        (folder / "comparison.json").write_text(to_json(comparison.to_dict()), encoding="utf-8")
+        (folder / "comparison.json").write_text(to_json(comparison.to_dict() | reserve(arguments)), encoding="utf-8")
         (folder / "comparison.csv").write_text(comparison.to_csv(), encoding="utf-8")
         page = report_html(
             comparison, title=title, point_names=names, made=origin(arguments), units=asked_units(arguments)

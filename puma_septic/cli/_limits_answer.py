@@ -8,7 +8,7 @@ from typing import Any
 
 from puma_septic._version import __version__
 from puma_septic.assessment import Assessment, assess
-from puma_septic.cli._arguments import asked_task, in_reserve, left_by_margin
+from puma_septic.cli._arguments import asked_task, in_reserve, left_by_margin, reserve
 from puma_septic.cli._output_arguments import asked_units, origin, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
 from puma_septic.document import SCHEMAS, to_json
@@ -46,6 +46,7 @@ def answer(arguments: Namespace) -> Answer:
         "robot": resolved.robot.name,
         "joint_names": list(resolved.robot.joint_names),
         "profiles": [{"label": label, **one.to_dict()} for label, one in zip(labels, found, strict=True)],
+        **reserve(arguments),
         **_left_to_sizing(resolved),
     }
     if arguments.reference:

@@ -18,6 +18,7 @@ from puma_septic.cli._arguments import (
     count,
     in_reserve,
     left_by_margin,
+    reserve,
 )
 from puma_septic.cli._output_arguments import add_format, add_out, asked_units, origin, with_report
 from puma_septic.cli._parser import UNDECIDED, Answer
@@ -115,7 +116,7 @@ def run(arguments: Namespace) -> Answer:
     with _progress() as progress:
         result = _optimised(resolved, arguments, progress)
     doubts = assess(resolved.robot, resolved.trajectories[0]).undecided
-    found = result.to_dict()
+    found = result.to_dict() | reserve(arguments)
     if doubts:
         found |= {"undecided": list(doubts)} | ({"is_feasible": False} if "is_feasible" in found else {})
     document = to_json(found)
@@ -215,7 +216,7 @@ def _write_folder(arguments: Namespace, result: Result, document: str, resolved:
             dwell=resolved.task.dwell,
             floor=resolved.task.floor,
             tool_limits=resolved.tool_limits,
-            title=f"{resolved.task.name}: optimised",
+            title=f"{resolved.task.name}: optimised{in_reserve(arguments)}",
             point_names=resolved.names,
             made=origin(arguments),
             units=asked_units(arguments),

@@ -63,7 +63,7 @@ def limits_case(
     """How fast and how heavy: the motions as they are given, with what they could do."""
     labels = profile_labels(assessments)
     return Case(
-        title=f"{resolved.task.name}: how fast, how heavy",
+        title=f"{document['task']}: how fast, how heavy",
         assessments=tuple(assessments),
         labels=labels,
         is_feasible=all(one.fastest is not None and not one.fastest.reason for one in found),

@@ -306,6 +306,12 @@ def test_a_margin_keeps_the_tools_limits_in_reserve_too(tmp_path: Path, capsys: 
     assert found["governing"]["limit"] == pytest.approx(0.4)
     row = json.loads(printed(["compare", str(best), *asked, "--format", "json"], capsys))["profiles"]
     assert next(one["is_feasible"] for one in row if one["name"] == "quintic")
+    for command in (["compare"], ["limits"], ["optimise", "--objective", "duration"]):
+        folder = tmp_path / command[0]
+        arguments = [command[0], str(task), *command[1:], *asked, "--format", "json", "--no-png", "--out", str(folder)]
+        assert json.loads(printed(arguments, capsys))["margin"] == 0.2
+        assert json.loads(next(folder.glob("*.json")).read_text())["margin"] == 0.2
+        assert "20 % of the limits of joints and tool kept in reserve" in (folder / "report.html").read_text()
 
 
 def test_an_excerpt_is_one_everywhere(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -10,19 +10,12 @@ from numpy.typing import ArrayLike
 
 from puma_septic.assessment import assess
 from puma_septic.document import plain
-from puma_septic.errors import NoSolution
+from puma_septic.errors import InputError, NoSolution
 from puma_septic.limits._drives import highest_motor_rate
 from puma_septic.limits._duration import MinimumDuration, kinematic_rate, minimum_duration
 from puma_septic.limits._dwell import dwell_demands
 from puma_septic.limits._feasible import feasible_values
-from puma_septic.limits._payload import (
-    AnyMassError,
-    Load,
-    MaximumPayload,
-    checked_load,
-    mass_demands_at,
-    maximum_payload,
-)
+from puma_septic.limits._payload import Load, MaximumPayload, checked_load, mass_demands_at, maximum_payload
 from puma_septic.limits._stretching import load_torque, rate_torque
 from puma_septic.motion import Motion, compute_motion
 from puma_septic.paths import ToolLimits
@@ -121,7 +114,7 @@ def motion_limits(
         heaviest = maximum_payload(
             motion, com=load.com, gyration=load.gyration, dwell=dwell, floor=floor, tool_limits=tool_limits
         )
-    except (NoSolution, AnyMassError) as error:
+    except (NoSolution, InputError) as error:  # where no known limit bears it; what else is refused, the curve refuses
         why_not_heaviest = str(error)
     least = motion.trajectory.duration if fastest is None else float(fastest.feasible[0, 0])
     durations = np.geomspace(1, _SLOWEST, _COUNT) * least

@@ -27,7 +27,7 @@ from puma_septic.trajectory import Trajectory
 from puma_septic.validation import Array, checked_array, checked_kind, frozen, read_only
 from puma_septic.views import limits as view
 
-__all__ = ["AnyMassError", "Load", "MaximumPayload", "maximum_payload"]
+__all__ = ["Load", "MaximumPayload", "maximum_payload"]
 
 
 @final
@@ -71,10 +71,6 @@ def checked_load(robot: Robot, com: ArrayLike | None, gyration: ArrayLike | None
     )
     load.of(1.0)  # refuses a gyration that no body has
     return load
-
-
-class AnyMassError(InputError):
-    """No known limit bears the payload that was asked for."""
 
 
 @final
@@ -218,7 +214,7 @@ def maximum_payload(
         raise _no_mass(first, demands)
     least, most = feasible.intervals[0].tolist()
     if np.isinf(most):
-        raise AnyMassError("no joint with a known limit bears the payload: any mass will do")
+        raise InputError("no joint with a known limit bears the payload: any mass will do")
     loaded = compute_motion(robot.with_payload(load.of(most)), trajectory)
     answer = assess(loaded, dwell=dwell, floor=floor, tool_limits=tool_limits)
     checks = [check for check in answer.all_checks if not check.is_range]

@@ -44,7 +44,7 @@ __all__ = [
 
 # Of all matrices together. A task asks for 1 to 6 MB of them, and building some again takes less than 1 % of its time.
 # Without a bound a process that meets ever other degrees grows by hundreds of MB.
-_KEPT_BYTES: Final = 4_000_000
+_KEPT_BYTES: Final = 2_000_000
 # Up to this many points, cosines are the faster way; measured at degrees 7 to 128.
 _FEW = 64
 
@@ -55,7 +55,7 @@ _kept: OrderedDict[tuple[Any, ...], tuple[Any, int]] = OrderedDict()  # the valu
 
 
 def kept(build: Callable[[*_Degrees], _T]) -> Callable[[*_Degrees], _T]:
-    """Build once what depends on degrees alone, and keep of all such what was used last, 4 MB together.
+    """Build once what depends on degrees alone, and keep of all such what was used last, 2 MB together.
 
     A number of entries is no bound: a matrix grows with the square of its degree.
 

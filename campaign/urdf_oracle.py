@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Final
 
 import numpy as np
@@ -12,7 +12,7 @@ import pinocchio as pin
 import puma_septic as ps
 from campaign.mechanics import Arm, joined, mass_matrix_and_torque
 from campaign.rules import UnsoundError
-from campaign.urdf_text import Body, Text, UnreadableError, limit, read
+from campaign.urdf_text import MOVING, Body, Joint, Text, UnreadableError, limit, read
 
 POSES: Final = 5
 # Relative to the sum of the magnitudes of all terms: some hundred operations' rounding, and what two ways of reading
@@ -116,14 +116,38 @@ def _check_limits(robot: ps.Robot, arm: Arm) -> None:
             lower = upper = np.nan
         if lower > upper:
             raise UnsoundError(f"limits: of joint {name!r} are swapped, {lower!r} to {upper!r}")
-        _same(f"position limit of {name!r}", robot.limits.position[k], (lower, upper))
-        for key, values in (("velocity", robot.limits.velocity), ("effort", robot.limits.effort)):
-            said = limit(joint, key)
-            _same(f"{key} limit of {name!r}", values[k], said if said > 0 else np.nan)
+        speed, effort = (value if value > 0 else np.nan for value in (limit(joint, "velocity"), limit(joint, "effort")))
+        _same(f"position limit of {name!r}", robot.limits.position[k], _range_with_followers(arm, joint, lower, upper))
+        followers = [(limit(one, "velocity"), factor) for one, factor, _ in _followers(arm, name)]
+        speed = np.fmin.reduce([speed, *(own / abs(factor) for own, factor in followers if own > 0)])
+        _same(f"velocity limit of {name!r}", robot.limits.velocity[k], speed)
+        _same(f"effort limit of {name!r}", robot.limits.effort[k], effort)
+
+
+def _followers(arm: Arm, name: str) -> Iterator[tuple[Joint, float, float]]:
+    """Joints that mimic one, each with its multiplier and offset."""
+    for joint in arm.text.joints.values():
+        if joint.mimic is not None and joint.mimic[0] == name and joint.mimic[1] and joint.kind in MOVING:
+            yield joint, joint.mimic[1], joint.mimic[2]
+
+
+def _range_with_followers(arm: Arm, joint: Joint, lower: float, upper: float) -> tuple[float, float]:
+    """The positions at which all that mimic a joint are in their own limits; one that leaves none is left out."""
+    for one, factor, offset in _followers(arm, joint.name):
+        ends = limit(one, "lower"), limit(one, "upper")
+        if one.kind == "continuous" or ends[0] == ends[1] or (joint.kind == "continuous"):
+            continue
+        low, high = sorted((end - offset) / factor for end in ends)
+        narrowed = float(np.fmax(low, lower)), float(np.fmin(high, upper))
+        lower, upper = narrowed if narrowed[0] < narrowed[1] else (lower, upper)
+    return lower, upper
 
 
 def _same(what: str, value: object, said: object) -> None:
-    if not np.array_equal(np.asarray(value, dtype=float), np.asarray(said, dtype=float), equal_nan=True):
+    # A follower's limit is told to 1e-9 of the range.
+    if not np.allclose(
+        np.asarray(value, dtype=float), np.asarray(said, dtype=float), rtol=2e-9, atol=1e-12, equal_nan=True
+    ):
         raise UnsoundError(f"limits: {what} is {value}, the text has {said}")
 
 

@@ -187,9 +187,10 @@ def _followed_ranges(urdf: Urdf, moving: Sequence[str], position: Array) -> list
     for j, name, mimic in _followers(urdf, moving):
         own = (np.array(position_range(urdf.joints[name].element)) - mimic.offset) / mimic.multiplier
         low, high = (own if mimic.multiplier > 0 else own[::-1]).tolist()
-        slack = _SAME * np.abs(position[j]).max()
         lower, upper = position[j].tolist()
-        if low > lower + slack or high < upper - slack:
+        slack = _SAME * max(abs(lower), abs(upper))
+        is_new = isnan(lower) and not isnan(low) and urdf.joints[mimic.master].kind != "continuous"
+        if is_new or low > lower + slack or high < upper - slack:
             bounds = np.fmax(low, lower), np.fmin(high, upper)
             if bounds[0] < bounds[1]:
                 position[j] = bounds
@@ -205,7 +206,7 @@ def _followed_magnitudes(urdf: Urdf, moving: Sequence[str], quantity: str, limit
     notes = []
     for j, name, mimic in _followers(urdf, moving):
         own = _magnitude(urdf.joints[name].element, quantity) / abs(mimic.multiplier)
-        if own < limit[j] * (1 - _SAME):
+        if own < limit[j] * (1 - _SAME) or (isnan(limit[j]) and not isnan(own)):
             limit[j] = own
             notes.append(
                 f"joint {mimic.master!r} is followed by {name!r}: its {quantity} limit is {own:.6g}, at which that"

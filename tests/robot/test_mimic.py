@@ -315,6 +315,9 @@ def test_limits_of_a_follower_that_leave_nothing_are_told_and_not_used(tmp_path:
     assert arm.limits.position.tolist() == [[0.0, 4.0]]
     assert arm.limits.velocity.tolist() == [20.0]
     assert any("the position limits of that joint leave it no range and are not used" in note for note in arm.notes)
+    unknown = fingers(-1.0, 0.0, -3.0, 4.0, 5.0).replace('lower="-4" upper="4" velocity="20"', "", 1)
+    led = load(tmp_path, "led", unknown, tool="a")  # what is not known of the first is known of the other
+    assert (led.limits.position.tolist(), led.limits.velocity.tolist()) == ([[-4.0, 3.0]], [5.0])
     for lower, upper in ((-3.0, 9.0), (-9.0, 3.0)):  # one side alone is narrower
         side = load(tmp_path, "side", fingers(1.0, 0.0, lower, upper, 20.0), tool="a")
         assert side.limits.position.tolist() == [[max(lower, -4.0), min(upper, 4.0)]]

@@ -155,6 +155,7 @@ def test_a_floor_above_the_points_is_no_constraint_that_times_can_keep(puma: ps.
         ps.optimise_via_times(ps.profiles.quintic_spline, POINTS, TIMES, floor=0.0)
 
 
+@pytest.mark.slow
 def test_the_least_time_keeps_the_tool_s_speed(puma: ps.Robot) -> None:
     common: dict[str, Any] = {"robot": puma, "keep": ("velocity", "acceleration"), "restarts": 0}
     make = ps.profiles.quintic_spline

@@ -36,6 +36,7 @@ def test_the_entry_point_is_the_plug_in() -> None:
     assert set(plugin.__all__) == {"assert_feasible", "assert_trajectory_ok"}
 
 
+@pytest.mark.slow
 def test_a_suite_uses_its_fixtures(puma: ps.Robot, tmp_path: Path) -> None:
     """In a process of its own, where the installed package's entry point loads the plug-in.
 

@@ -112,7 +112,7 @@ def same(a: Any, b: Any, later: float = 0.0) -> bool:
 # ---- the same motion, later
 
 
-@pytest.mark.parametrize("late", [-7.0, 100.0, 1e4])
+@pytest.mark.parametrize("late", [*(pytest.param(t, marks=pytest.mark.slow) for t in (-7.0, 1e4)), 100.0])
 @pytest.mark.parametrize("question", QUESTIONS)
 def test_a_motion_that_begins_later_has_the_same_answers(puma: ps.Robot, question: str, late: float) -> None:
     """Law: only instants move. Bugs of this kind: friction that reversed at other instants, stops without an answer."""
@@ -122,6 +122,7 @@ def test_a_motion_that_begins_later_has_the_same_answers(puma: ps.Robot, questio
         assert not differences(*answers, later=late)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("late", [-7.0, 100.0, 1.7e9])
 def test_pictures_and_samples_of_a_motion_that_begins_later(puma: ps.Robot, late: float) -> None:
     """Bug: figures, reports and CSV refused such motions, as "must share their breaks"."""
@@ -184,6 +185,7 @@ def flipped(root: ET.Element, drives: dict[str, Any]) -> None:
         one["coulomb_friction"] = [-x for x in reversed(one["coulomb_friction"])]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("question", QUESTIONS)
 def test_an_arm_whose_axes_point_the_other_way_has_the_same_answers(tmp_path: Path, question: str) -> None:
     """Law: forwards and backwards change places, and with them the two levels of Coulomb friction."""

@@ -37,6 +37,7 @@ def assert_true(robot: ps.Robot, move: ps.Trajectory, name: str) -> None:
         assert np.abs(work - expected.work).max() <= 1e-9 * (result.energy_in + result.energy_out).max() + 1e-15, name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", FAMILIES)
 def test_random_moves_have_their_true_torque(puma: ps.Robot, family: str) -> None:
     assert_true(puma, random_move(family, np.random.default_rng([0, FAMILIES.index(family)])), "seed 0")

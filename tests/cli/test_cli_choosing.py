@@ -62,6 +62,7 @@ def test_compare_sets_the_gap_beside_each_profile(capsys: pytest.CaptureFixture[
     assert "gap" not in json.loads(printed([*arguments, "--format", "json"], capsys))["profiles"][0]
 
 
+@pytest.mark.slow
 def test_compare_writes_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     target = tmp_path / "out"
     arguments = ["compare", "--profile", "septic", "--profile", "quintic", "--objective", "peak_jerk"]
@@ -262,6 +263,7 @@ def test_branches_are_sorted_and_tell_their_manipulability(capsys: pytest.Captur
     assert text.count("All 8 branches.") == 1  # a note below a table that is continued is no row of it
 
 
+@pytest.mark.slow
 def test_a_margin_means_the_same_everywhere(capsys: pytest.CaptureFixture[str]) -> None:
     """`--margin` was known to `assess` alone. A motion that the velocity stops takes 1 / (1 - margin) times as long."""
     least = {}
@@ -293,6 +295,7 @@ profiles: [quintic]
 """
 
 
+@pytest.mark.slow
 def test_a_margin_keeps_the_tools_limits_in_reserve_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """`assess --margin` held the tool to it; what `optimise`, `limits` and `compare` found within it broke it there."""
     task, best = tmp_path / "cell.yaml", tmp_path / "best.yaml"

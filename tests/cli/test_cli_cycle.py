@@ -90,6 +90,7 @@ def test_check_says_of_a_task_that_it_is_one(tmp_path: Path, capsys: pytest.Capt
     assert "a task file, no JointTrajectory: puma-septic assess" in " ".join(capsys.readouterr().out.split())
 
 
+@pytest.mark.slow
 def test_a_cycle_is_written_and_checked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     plan = tmp_path / "plan.yaml"
     assert main(["assess", "paper-straight", "--write", str(plan)]) == 0

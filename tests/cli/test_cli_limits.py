@@ -22,6 +22,7 @@ def test_the_answer_is_one_row_for_each_profile(capsys: pytest.CaptureFixture[st
     assert "jerk limit: unknown for all joints" in text
 
 
+@pytest.mark.slow
 def test_json_csv_and_files_hold_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "out"
     assert main([*ARGUMENTS, "--com", "0,0,0.1", "--format", "json", "--out", str(folder)]) == 0

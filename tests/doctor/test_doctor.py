@@ -231,6 +231,7 @@ def test_sound_arms_have_no_findings(name: str, tmp_path: Path) -> None:
         assert doubts(robot) == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mutation", MUTATIONS)
 @pytest.mark.parametrize("name", quick("ur10", SOUND))
 def test_every_kind_of_fault_is_found(name: str, mutation: str, tmp_path: Path) -> None:
@@ -248,6 +249,7 @@ def test_every_kind_of_fault_is_found(name: str, mutation: str, tmp_path: Path) 
     assert is_found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["ur3", "tiago_no_hand", "tiago_pro", "centauro", "anymal-kinova", "b1-z1"])
 def test_further_arms_have_no_doubts(name: str) -> None:
     """Out of sample: what else example-robot-data has of arms whose numbers are a maker's. Of its others each has a
@@ -411,6 +413,7 @@ def test_no_table_or_page_has_the_word_feasible_without_the_doubt() -> None:
     assert "doubtful data" not in sound
 
 
+@pytest.mark.slow
 def test_volumes_of_meshes_are_held_against_masses() -> None:
     """The UR10's upper arm of 12.93 kg made 2000 times heavier is denser than lead."""
     robot = ps.load_robot(SOUND["ur10"], package_dirs=[ROBOTS.parent])

@@ -143,6 +143,7 @@ MOTORS: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantity", MOTORS)
 def test_motors_are_held_to_what_sizing_holds_them_to(puma: ps.Robot, quantity: str) -> None:
     """Two ways: the utilisation that `size` gives at the answer, and beyond it."""

@@ -56,6 +56,7 @@ def test_every_search_ends_in_the_same_place_here() -> None:
     assert "the best of 4 searches, 4 of which ended here" in result.statement
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_result_and_progress_is_told() -> None:
     told: list[tuple[int, int]] = []
     points = [[0.0, 0.0], [1.0, 0.2], [0.5, 0.9], [0.2, 1.0], [1.0, 1.5]]
@@ -206,6 +207,7 @@ def test_the_least_excess_is_the_least_overshoot() -> None:
     assert (kept.trajectory.overshoot <= least + 1e-4 + AT_LIMIT).all()
 
 
+@pytest.mark.slow
 def test_constraints_that_cannot_be_kept_say_by_how_much(puma: ps.Robot) -> None:
     """Joint 5 is beyond its limit at the first point itself, whatever the via times."""
     with pytest.raises(ps.NoSolution, match="no via times were found that keep the constraints") as caught:
@@ -247,6 +249,7 @@ def front() -> ParetoFront:
     return ps.pareto_front(ps.septic, POINTS, TIMES, objectives=("integral_of_squared_jerk", "overshoot"), size=6)
 
 
+@pytest.mark.slow
 def test_a_front_runs_between_the_single_optima(front: ParetoFront) -> None:
     jerk, overshoot = front.values.T
     assert (np.diff(jerk) > 0).all()
@@ -293,6 +296,7 @@ def test_three_objectives_and_more_vias() -> None:
         assert not any((other <= row).all() and (other < row).any() for other in others)
 
 
+@pytest.mark.slow
 @given(st.floats(0.2, 3.0), st.floats(5.0, 100.0))
 @settings(max_examples=10)
 def test_least_time_of_one_move_split_in_two(h: float, limit: float) -> None:

@@ -55,6 +55,7 @@ def test_effort_is_held_by_default(puma: ps.Robot) -> None:
     assert max(map(len, str(result).splitlines())) <= 100
 
 
+@pytest.mark.slow
 def test_the_motion_begins_at_the_first_time(puma: ps.Robot) -> None:
     """Bug: of times that begin at 100 s the first was scaled with the rest, and the least time began at 56 s."""
     given = np.array(HEAVY_TIMES)

@@ -384,6 +384,7 @@ def test_unbounded_values_are_json_too() -> None:
     assert report.claims[12].verdict == "holds"
 
 
+@pytest.mark.slow
 def test_figures_are_the_papers(report: PaperReport) -> None:
     figures = paper_figures(report)
     assert {"figure_3", "figure_4", "figure_5", "figure_6_7", "jerk", "torque", "comparison"} <= set(figures)

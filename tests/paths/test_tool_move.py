@@ -81,6 +81,7 @@ def test_textbook_line_of_a_two_link_arm(planar: ps.Robot) -> None:
     np.testing.assert_allclose(move(t, 2), bend, atol=1e-12 * np.abs(bend).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("arm", "count"), [("puma560", 16), ("ur5", 12), ("panda", 2)])
 def test_the_tool_stays_on_its_path_between_nodes(arm: str, count: int) -> None:
     """To 1e-9 m and rad at random instants; a refusal is right where no dense sample search finds a way either."""

@@ -217,6 +217,7 @@ def wide_limits(rng: np.random.Generator, decades: float) -> dict[str, Array]:
     }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [2, 5, 20])
 @pytest.mark.parametrize(("smallest", "decades"), [(0, 2.5), (-3, 2.5), (-3, 6), (-9, 6)])
 def test_limits_are_kept_to_rounding_at_any_scale(

@@ -264,6 +264,7 @@ def test_report_of_a_sizing_has_its_own_verdict(puma: ps.Robot) -> None:
     assert re.findall("<h4>([^<]*)</h4>", ps.report_html(sizing))[0] == "cycle"
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("quick")
 def test_report_of_the_paper_has_its_claims() -> None:
     report = ps.paper.reproduce(runs=1)

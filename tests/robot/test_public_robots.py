@@ -41,6 +41,7 @@ def plain(path: Path, robot: Robot, q: Array, v: Array, a: Array) -> tuple[Array
     return tau, data.oMf[model.getFrameId(robot.tool, pin.FrameType.BODY)].homogeneous
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_every_public_robot_is_answered_as_far_as_its_file_allows(path: Path) -> None:
     """Torque equals plain Pinocchio's, of mimicking joints too, which 8 of these files have; so does the tool."""

@@ -86,6 +86,7 @@ def test_the_command_tells_simulates_and_writes(tmp_path: Path, capsys: pytest.C
     assert "cycloidal, planned" in page
 
 
+@pytest.mark.slow
 def test_the_command_ends_with_1_where_an_arm_diverges(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -110,6 +110,7 @@ def test_the_worst_of_many_stops_is_the_stop_at_its_instant() -> None:
     )
 
 
+@pytest.mark.slow
 def test_brakes_that_do_not_hold_the_weight(tmp_path: Path) -> None:
     """A pendulum without a brake or friction swings on."""
     arm = wheel(tmp_path, tilt="0 1 0")

@@ -79,6 +79,7 @@ def test_a_steady_cycle_of_any_size_against_the_matrix_exponential(losses: list,
     np.testing.assert_allclose(rise(0.0), expected, rtol=1e-8, atol=1e-13 * max(losses))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("constants", "message"),
     [

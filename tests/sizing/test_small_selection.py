@@ -189,6 +189,7 @@ def test_where_no_pair_is_strong_enough_at_all_joints_each_has_its_own() -> None
         ps.size(cases(), catalogue=small, same=[["wrist", "elbow"]])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("placement", "told"), [("before", "before"), ("at", "moved by")])
 def test_the_elbow_s_drive_loads_the_shoulder_with_its_mass(placement: str, told: str) -> None:
     """Its mass stands on the elbow's axis, 0.4 m from the shoulder's; nothing carries the shoulder's own."""

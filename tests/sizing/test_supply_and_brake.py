@@ -46,6 +46,7 @@ def samples() -> tuple[np.ndarray, float]:
 # ---- the shared bus
 
 
+@pytest.mark.slow
 def test_the_peak_is_that_of_the_sum_not_the_sum_of_the_peaks() -> None:
     """At a UR5 155 W, not 166 W, and 29 % less came back than the joints alone returned. Audited."""
     total, step = samples()

@@ -108,6 +108,7 @@ def test_least_time_is_feasible_by_samples_of_the_power_coefficients_too() -> No
         assert (peak <= limit * (1 + 1e-10)).all()
 
 
+@pytest.mark.slow
 def test_free_knots_and_free_proportions_both_save_time() -> None:
     free = fastest("lin-chang-luh", "cubic_spline_free_knots", ("free_knots",))
     middle = fastest("lin-chang-luh", "cubic_spline_free_knots")

@@ -198,6 +198,7 @@ def test_a_motion_at_rest_can_be_shown(puma: ps.Robot) -> None:
 # ---- what is drawn
 
 
+@pytest.mark.slow
 def test_second_motions_are_ghosts(paper: tuple[ps.Assessment, ...]) -> None:
     things = drawn(ps.replay_html(paper))
     opacities = {
@@ -210,6 +211,7 @@ def test_second_motions_are_ghosts(paper: tuple[ps.Assessment, ...]) -> None:
     assert all(f"/meshcat/motion{k}/path" in things for k in range(3))
 
 
+@pytest.mark.slow
 def test_a_motion_has_the_colour_of_its_curves(paper: tuple[ps.Assessment, ...]) -> None:
     """The second motion was vermilion in all charts of a report and blue, the first one's colour, in its replay."""
     html = ps.replay_html(paper)

@@ -32,6 +32,7 @@ def test_a_pendulum_holds_most_where_it_is_level(tmp_path: Path) -> None:
     assert (whole.attained <= whole.bound).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_no_pose_of_a_branched_arm_with_sliding_joints_exceeds_the_bound(tmp_path: Path, seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -66,6 +66,12 @@ _NEEDS: Final = (
     _Need("repeated peak torque", "gearbox", lambda g, *_: _known(g.max_repeated_torque) or _is_direct(g)),
     # Beyond 1000 cycles an hour the peaks of a planetary gear count more than once.
     _Need("peak torque at this cycle rate", "gearbox", lambda g, _, cycle: _known(g.impact_factor(cycle))),
+    # Where a life is asked for, gears whose life nobody has told must not win by it.
+    _Need(
+        "rated life, torque and speed", "gearbox",
+        lambda g, place, _: not _known(place.required_life_hours) or _is_direct(g)
+        or all(map(_known, (g.rated_life_hours, g.rated_torque, g.rated_speed))),
+    ),
     _Need(
         "efficiency or measured friction", "gearbox",
         lambda g, *_: _known(g.efficiency) or len(g.efficiency_map) > 0 or _is_direct(g),

@@ -400,7 +400,7 @@ def lacks(catalogue: ps.Catalogue, place: ps.Drivetrain, cycle: float) -> Array:
     own = catalogue.drives or [ps.Drive()] * len(catalogue.motors)
     volts = [drive.bus_voltage if np.isnan(place.drive.bus_voltage) else place.drive.bus_voltage for drive in own]
     motors = np.array([_poor_motor(m, place, v) for m, v in zip(catalogue.motors, volts, strict=True)])
-    gears = np.array([_poor_gear(gear, cycle) for gear in catalogue.gearboxes])
+    gears = np.array([_poor_gear(gear, place, cycle) for gear in catalogue.gearboxes])
     return motors[catalogue.motor_index] | gears[catalogue.gearbox_index]
 
 
@@ -422,7 +422,8 @@ def _poor_motor(m: ps.Motor, place: ps.Drivetrain, volts: float) -> bool:
     )
 
 
-def _poor_gear(g: ps.Gearbox, cycle: float) -> bool:
+def _poor_gear(g: ps.Gearbox, place: ps.Drivetrain, cycle: float) -> bool:
+    untold = np.isnan([g.rated_life_hours, g.rated_torque, g.rated_speed]).any() and place.required_life_hours > 0
     has_losses = len(g.efficiency_map) > 0 or not np.isnan(g.efficiency)
     bare = np.isnan([g.max_average_torque, g.max_repeated_torque]).any() or not has_losses
-    return bool(bare or np.isnan(impact_factor(g, cycle)))
+    return bool(bare or untold or np.isnan(impact_factor(g, cycle)))

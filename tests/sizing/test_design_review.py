@@ -85,6 +85,18 @@ def test_each_of_the_least_set_decides(name: str, missing: str) -> None:
     assert joint.why("M", "G") == f"M with G is not decidable: {missing} unknown; every known limit is kept"
 
 
+@pytest.mark.parametrize("name", ["rated_life_hours", "rated_torque", "rated_speed"])
+def test_a_life_that_is_asked_for_and_not_told_does_not_win(name: str) -> None:
+    """Gears of unknown life once won whatever life was asked for; where none is, it decides nothing."""
+    untold, asked = catalogue(**{name: np.nan}), Conditions(required_life_hours=1.0)
+    joint = ps.size(cycle(), catalogue=untold, conditions=asked).joint("joint1")
+    assert joint.best is None
+    assert joint.undecided[0].lacking == ("rated life, torque and speed of the gearbox",)
+    assert ps.size(cycle(), catalogue=untold).joint("joint1").best is not None
+    told = catalogue(rated_life_hours=1e6, rated_torque=1e3, rated_speed=1e3)
+    assert ps.size(cycle(), catalogue=told, conditions=asked).joint("joint1").best is not None
+
+
 @pytest.mark.parametrize("asked", [Conditions(ambient_celsius=55.0), Conditions(altitude=3000.0)])
 def test_an_unknown_derating_does_not_lift_the_continuous_torque(asked: Conditions) -> None:
     """In the heat or up high, a motor whose sheet has no derating was held to no continuous torque, and won."""

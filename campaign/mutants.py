@@ -1,8 +1,9 @@
 """Do the tests find what is wrong? Seeded mutants of the core rooms, by cosmic-ray: ``python -m campaign.mutants``.
 
-Of each room some mutants are drawn. Each is put before the tests that ran the function it stands in, and what these
-let live before all quick tests of its room. What then survives, or runs out of time, is written down with its
-difference, to be killed by a new test or told equivalent. Needs the package cosmic-ray.
+Of each room some mutants are drawn. Each is put before the tests that ran the function it stands in, what these let
+live before all quick tests of its room, and what these let live before its slow ones. What then survives, or runs out
+of time, is written down with its difference, to be killed by a new test or told equivalent. Needs the package
+cosmic-ray.
 """
 
 from __future__ import annotations
@@ -59,6 +60,7 @@ _EQUIVALENT: Final = ("slots", "maxsize")
 _TRIVIAL: Final = "RemoveDecorator"  # without the decorators that make values nothing imports
 _SHORTEST: Final = 120.0  # s; on a busy machine a mutant that is only slow must not look like an endless loop
 _FACTOR: Final = 5.0  # how many times as long as the undisturbed tests a mutant may take
+_MOST_SLOW: Final = 3600.0  # s; of a room's slow tests
 OUTCOMES: Final = ("killed", "timed out", "incompetent", "survived")
 
 
@@ -104,8 +106,9 @@ def _judged(room: str, count: int, draw: random.Random) -> Iterator[tuple[str, s
     for mutant in islice(filter(_compiles, draw.sample(every, len(every))), count):
         first = _first_tests(mutant, ran.contexts_by_lineno(str(mutant.module_path)))
         Path("first.txt").write_text("\n".join(first))
-        for chosen in ("@first.txt", tests) if first else (tests,):
-            result = mutate_and_test([mutant], f"{pytest} {chosen}", patience)
+        stages = [("@first.txt", patience), (tests, patience), (f"-m slow {tests}", _MOST_SLOW)]
+        for chosen, seconds in stages if first else stages[1:]:
+            result = mutate_and_test([mutant], f"{pytest} {chosen}", seconds)
             if result.test_outcome is not TestOutcome.SURVIVED:
                 break
         outcome = str(result.test_outcome.value) if result.test_outcome else "incompetent"

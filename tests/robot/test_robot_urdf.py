@@ -391,6 +391,9 @@ def test_soft_limits_are_told_and_taken_on_request(tmp_path: Path) -> None:
     assert robot.limits.position[0].tolist() == [-2.0, 2.0]
     assert any("'shoulder': its safety controller has soft limits -0.5 to 0.5" in note for note in robot.notes)
     assert load(tmp_path, text, limits="soft").limits.position.tolist() == [[-0.5, 0.5], [-2.5, 2.5]]
+    for lower, upper, is_told in ((-2, 2, False), (-3, 3, False), (-1, 2, True), (-2, 1, True)):
+        text = replaced("</joint>", soft.replace('"-0.5"', f'"{lower}"').replace('"0.5"', f'"{upper}"'))
+        assert any("safety controller" in note for note in load(tmp_path, text).notes) == is_told
 
 
 @pytest.mark.parametrize(

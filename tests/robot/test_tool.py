@@ -89,3 +89,12 @@ def test_a_locked_arm_of_two_has_not_the_tool(tmp_path: Path) -> None:
     assert load(tmp_path, "two", two).tool == "r2"
     robot = load(tmp_path, "two", two, locked={"k1": 0.0, "k2": 0.0})
     assert (robot.tool, robot.joint_names) == ("l2", ("j1", "j2"))
+
+
+def test_links_that_are_as_good_are_named(tmp_path: Path) -> None:
+    """Of ends equally far out the last of the text is taken; the others are told, whatever their names."""
+    for first, last in (("a_end", "b_end"), ("b_end", "a_end")):
+        robot = load(tmp_path, "ends", arm(first, last) + fixed(first) + fixed(last))
+        assert robot.tool == last
+        note = f"tool frame {last!r}: the last link of the longest chain (as good: {first}); tool=... names another"
+        assert note in robot.notes

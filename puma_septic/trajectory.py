@@ -204,15 +204,26 @@ class Trajectory:
         Returns
         -------
         Trajectory
+
+        Raises
+        ------
+        InputError
+            For what is neither true nor false.
         """
-        return replace(self, rest_before=self.rest_before and before, rest_after=self.rest_after and after)
+        at_rest = checked_flag("before", before), checked_flag("after", after)
+        return replace(self, rest_before=self.rest_before and at_rest[0], rest_after=self.rest_after and at_rest[1])
 
     def shifted(self, seconds: float) -> Trajectory:
-        """The same motion, later by a number of seconds.
+        """The same motion, later by a number of seconds: ``q(t - seconds)``.
 
         Returns
         -------
         Trajectory
+
+        Raises
+        ------
+        InputError
+            For what is no finite number.
         """
         position = self.position.shifted(seconds)
         return replace(self, position=position, times=self._times_on(position, self.times))

@@ -484,3 +484,17 @@ def test_a_stretched_motion_on_a_late_clock_has_its_instants_in_its_span() -> No
         np.testing.assert_array_equal(slower.times, slower.breaks)
         for order in (0, 1, 2, 3):
             slower(slower.peak(order)[1], order)
+
+
+def test_what_is_no_number_moves_and_stretches_nothing_and_what_is_no_flag_is_no_rest() -> None:
+    move = ps.quintic_segments([[0.0], [1.0]], [0.0, 1.0])
+    for wrong in ("a", True, np.nan, [1.0, 2.0]):
+        with pytest.raises(ps.InputError, match="seconds"):
+            move.shifted(wrong)  # type: ignore[arg-type]
+    for wrong in ("a", True, 0.0, -1.0, np.nan):
+        with pytest.raises(ps.InputError, match="factor"):
+            move.stretched(wrong)  # type: ignore[arg-type]
+    with pytest.raises(ps.InputError, match="before = 'no': expected True or False"):
+        move.resting(before="no")  # type: ignore[arg-type]
+    assert move.shifted(2.0).breaks.tolist() == [2.0, 3.0]
+    assert (move.resting(after=False).rest_before, move.resting(after=False).rest_after) == (True, False)

@@ -286,8 +286,11 @@ def add_margin(parser: ArgumentParser) -> None:
 
 def in_reserve(arguments: Namespace) -> str:
     """What ``--margin`` keeps, behind the head of an answer that is found within the rest."""
-    share = f"{100 * arguments.margin:g} %"
-    return f"; {share} of the limits of joints and tool kept in reserve" if arguments.margin else ""
+    return f"; {_reserve_text(arguments)}" if arguments.margin else ""
+
+
+def _reserve_text(arguments: Namespace) -> str:
+    return f"{100 * arguments.margin:g} % of the limits of joints and tool kept in reserve"
 
 
 def reserve(arguments: Namespace) -> dict[str, float]:
@@ -303,7 +306,7 @@ def left_by_margin(resolved: ResolvedTask, arguments: Namespace) -> ResolvedTask
     return replace(
         resolved,
         robot=with_margin(resolved.robot, arguments),
-        tool_limits=tool and tool.within(1.0 - arguments.margin, source=in_reserve(arguments)),
+        tool_limits=tool and tool.within(1.0 - arguments.margin, source=_reserve_text(arguments)),
     )
 
 
@@ -317,7 +320,7 @@ def with_margin(robot: Robot, arguments: Namespace) -> Robot:
     if arguments.margin == 1.0:
         raise InputError("--margin 1 leaves nothing of the limits; a fifth in reserve is 0.2")
     limits = robot.limits
-    source = f"{limits.source}{in_reserve(arguments)}"
+    source = "; ".join(filter(None, (limits.source, _reserve_text(arguments))))
     left = {name: (1.0 - arguments.margin) * getattr(limits, name) for name in MAGNITUDES}
     return robot.with_limits(replace(limits, source=source, **left))
 

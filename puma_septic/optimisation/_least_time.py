@@ -25,6 +25,7 @@ from puma_septic.optimisation._constraints import (
 from puma_septic.optimisation._problem import (
     MOST_RESTARTS,
     Progress,
+    Setting,
     best_kept,
     checked_setting,
     random_starts,
@@ -280,16 +281,7 @@ def least_time(
         tool_limits=None,
         least=2,
     )
-    n_joints = setting.variables.points.shape[1]
-    limits = _checked_limits(n_joints, (max_velocity, max_acceleration, max_jerk), robot, quantities)
-    has_effort = "effort" in quantities
-    if np.isnan(limits).all() and not has_effort and tool_limits is None:
-        raise InputError(
-            "without a limit there is no least time; give max_velocity, max_acceleration or max_jerk, or a robot whose"
-            " limits are known"
-        )
-    torque = excess_function(robot, n_joints, max_overshoot=None, keep=("effort",)) if has_effort else None
-    race = Proportions(setting=setting, limits=limits, torque=torque, tool_limits=tool_limits)
+    race = _race(setting, (max_velocity, max_acceleration, max_jerk), robot, quantities, tool_limits)
     count = checked_whole("restarts", restarts, at_least=0, at_most=MOST_RESTARTS) if setting.variables.size else 0
     starts = random_starts(setting.variables, setting.first(), count, seed)
     _refuse_moving_ends(setting.variables.trajectory(starts[0]))
@@ -304,12 +296,32 @@ def least_time(
     return LeastTime(
         trajectory=candidate.trajectory,
         start=start,
-        limits=limits,
+        limits=race.limits,
         ends=ends,
         n_evaluations=sum(one.n_evaluations for one in found),
         n_cut=sum(one.is_cut for one in found),
         verdict=verdict,
     )
+
+
+def _race(
+    setting: Setting,
+    given: Sequence[ArrayLike | None],
+    robot: Robot | None,
+    quantities: Sequence[str],
+    tool_limits: ToolLimits | None,
+) -> Proportions:
+    """Which proportions are to be found, and the limits by which they take their least time."""
+    n_joints = setting.variables.points.shape[1]
+    limits = _checked_limits(n_joints, given, robot, quantities)
+    has_effort = "effort" in quantities
+    if np.isnan(limits).all() and not has_effort and tool_limits is None:
+        raise InputError(
+            "without a limit there is no least time; give max_velocity, max_acceleration or max_jerk, or a robot whose"
+            " limits are known"
+        )
+    torque = excess_function(robot, n_joints, max_overshoot=None, keep=("effort",)) if has_effort else None
+    return Proportions(setting=setting, limits=limits, torque=torque, tool_limits=tool_limits)
 
 
 def _refuse_moving_ends(trajectory: Trajectory) -> None:

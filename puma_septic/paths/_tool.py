@@ -76,14 +76,19 @@ class ToolLimits:
         return {quantity: limit for quantity, limit in every.items() if limit is not None}
 
     def within(self, share: float, *, source: str) -> ToolLimits:
-        """So much of each limit, with what says so behind the source.
+        """So much of each limit, from 0 to 1, with what says so behind the source.
 
         Returns
         -------
         ToolLimits
+
+        Raises
+        ------
+        InputError
+            Where nothing of a limit is left.
         """
         left = {quantity.replace(" ", "_"): share * limit for quantity, limit in self.known.items()}
-        return ToolLimits(**left, source=f"{self.source}{source}")
+        return ToolLimits(**left, source="; ".join(filter(None, (self.source, source))))
 
 
 @final

@@ -288,7 +288,8 @@ class Piecewise:
 
     def shifted(self, seconds: float) -> Piecewise:
         """The same function, later by a number of seconds: ``f(t - seconds)``."""
-        return self._trusted(self.start + float(seconds), self.offsets, self.coefficients)
+        later = float(_checked("seconds", seconds, (), unit="s"))
+        return self._trusted(self.start + later, self.offsets, self.coefficients)
 
     def from_zero(self) -> Piecewise:
         """The same function on a clock that begins at 0."""
@@ -301,7 +302,8 @@ class Piecewise:
 
     def stretched(self, factor: float) -> Piecewise:
         """The same values over a span longer by a factor: ``f(start + (t - start) / factor)``."""
-        return self._trusted(self.start, self.offsets * float(factor), self.coefficients)
+        times = float(_checked("factor", factor, (), above=0.0))
+        return self._trusted(self.start, self.offsets * times, self.coefficients)
 
     def __call__(self, t: ArrayLike) -> Array:
         """Values at times t: shape () gives (m,), shape (k,) gives (k, m); outside the span is an InputError."""

@@ -116,9 +116,8 @@ class StudyFolder:
         if not file.exists():
             if any(self.chunks.iterdir()):
                 raise InputError(f"{self.path}: has chunks but no {_DEFINITION}; name another folder")
-            write_file(
-                file, json.dumps(document, indent=2), overwrite=True
-            )  # by a rename alone: no second name is left
+            # Replacing is a rename alone, which leaves no second name behind if it is killed.
+            write_file(file, json.dumps(document, indent=2), overwrite=True)
         old = self.definition()
         if old.get("digest") != study.digest:
             changed = [key for key, value in document.items() if key != "digest" and old.get(key) != value]
